@@ -14,7 +14,7 @@ PAGE = SOURCE / "docs" / "reference" / "python.md"
 BEGIN, END = "<!-- python: docs/python_reference.py writes this -->\n", "<!-- end of python -->\n"
 # Sections: of a module its own text (…), or a name within it.
 SECTIONS = {
-    "The module": [("__init__", ...), ("__init__", "versions")],
+    "The module": [("__init__", ...), ("program", "versions")],
     "Scenes": [("scene", "Scene")],
     "Control problems": [("problem", ...), ("problem", "Problem"), ("problem", "Metric"), ("problem", "Replicated"), ("problem", "Sweeps"), ("problem", "Parts")],
     "Fits": [("fit", "Fit")],

@@ -25,15 +25,18 @@ from matplotlib.quiver import Quiver
 from matplotlib.tri import Triangulation
 from PIL import Image
 
-import style
-from command_line import run_alone
-from files import Unreadable
-from mesh import Mesh
-from obstacle_artists import GREY, obstacle_artists
-from obstacles import Obstacle
-from run_folder import Contact, RunFolder, nearest
-from scenery import comes_near, directions, drawn_obstacles, picture
-from view import View, view_of
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import run_alone
+from .files import Unreadable
+from .mesh import Mesh
+from .obstacle_artists import GREY, obstacle_artists
+from .obstacles import Obstacle
+from .run_folder import Contact, RunFolder, nearest
+from .scenery import comes_near, drawn_obstacles, picture
+from .view import View, view_of
 
 MOST_FRAMES = 76  # 75 intervals
 FRAME_MILLISECONDS = 80  # a GIF counts in hundredths of a second
@@ -94,7 +97,7 @@ def read_motion(run: RunFolder) -> Motion:
     enlarged = enlargement(magnitude.max(), series.mesh.size)
     times, view = series.times[shown], view_of(run)
     position = series.mesh.points + enlarged * displacement
-    drawn = drawn_obstacles(run, series.mesh, enlarged) if run.has_contact else []
+    drawn = drawn_obstacles(run, enlarged) if run.has_contact else []
     obstacles = [obstacle for obstacle in drawn if comes_near(obstacle, times, position, series.mesh.size)]
     forces = None
     if run.has_contact and run.has_contact_table:
@@ -123,7 +126,7 @@ def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displ
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
     every = math.ceil(SPACING * mesh.size / spacing) or 1 if spacing else 1
     return Forces(view.project(points[:, ::every]), frame_forces(contact, times, stride)[:, ::every],
-                  view.project(directions(run)[::every]), style.per_depth("N", run.dim))
+                  view.project(contact.normal[::every]), style.per_depth("N", run.dim))
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
@@ -168,9 +171,9 @@ class Stage:
             axes.add_collection(part, autolim=False)
         style.colour_bar(self.body, axes, f"displacement ({unit})")
         self.arrows = add_arrows(axes, motion)
-        self.obstacles = obstacle_artists(axes, motion.obstacles, motion.view, motion.times, motion.box, motion.mesh.size)
+        self.obstacles = obstacle_artists(axes, motion.obstacles, motion.view, motion.mesh.size)
         for obstacle in self.obstacles:
-            obstacle.place(0, motion.times[0])
+            obstacle.place(motion.times[0])
 
         self.axes = axes
         passing = [artist for obstacle in self.obstacles if obstacle.moves for artist in obstacle.artists]
@@ -198,7 +201,7 @@ class Stage:
         self.title.set_text(f"$t$ = {self.time_factor * self.motion.times[frame]:.2f} {self.time_unit}")
         for obstacle in self.obstacles:
             if obstacle.moves:
-                obstacle.place(frame, self.motion.times[frame])
+                obstacle.place(self.motion.times[frame])
         if self.arrows is not None:
             forces = self.motion.forces
             force = forces.sizes[frame]
@@ -220,7 +223,7 @@ def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Two corners of the picture that holds the body at all times, obstacles of its size next to it and the arrows, m."""
     size, dim = motion.mesh.size, motion.box.shape[1]
     inside = [motion.position.reshape(-1, 2)]
-    if any(obstacle.shape.extent(0.0) is not None for obstacle in motion.obstacles):
+    if any(obstacle.whole for obstacle in motion.obstacles):
         corners = motion.box[[[i >> axis & 1 for axis in range(dim)] for i in range(2**dim)], range(dim)]
         inside.append(motion.view.project(corners))
     if motion.forces is not None and (acting := motion.forces.sizes > 0).any():

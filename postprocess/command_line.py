@@ -9,8 +9,8 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from files import NotInRun, Unreadable
-from run_folder import RunFolder
+from .files import NotInRun, Unreadable
+from .run_folder import RunFolder
 
 Parents = Sequence[argparse.ArgumentParser]  # of options that all verbs share
 

@@ -11,12 +11,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-import style
-from arc import arc_of, merged
-from command_line import run_alone
-from files import NotInRun
-from run_folder import RunFolder, nearest
-from scenery import main_normal
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .boundary import arc_of
+from .command_line import run_alone
+from .files import NotInRun
+from .run_folder import RunFolder, nearest
+from .scenery import main_normal
 
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
@@ -32,8 +35,8 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     label = f"nodal contact force ({unit})"
     if run.dim == 3:
         axes = over_plane(main_normal(run), contact.points, contact.force[index] * factor, label)
-    elif (plane := run.half_space) is not None:
-        axes = over_line(plane.normal, contact.points, contact.force[index] * factor, label)
+    elif (normal := run.plane_normal) is not None:
+        axes = over_line(normal, contact.points, contact.force[index] * factor, label)
     else:
         axes = over_arc(run, index, factor, label)
     style.show_time(axes, contact.times[index])
@@ -57,8 +60,8 @@ def over_line(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: 
 def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
     """A curve over the position along the surface (m), where the obstacle is curved or there are several; interrupted where the
     surface is."""
-    contact = merged(run.contact)
-    arc = arc_of(contact)
+    contact = run.contact.by_node()
+    arc = arc_of(run.boundary_mesh, contact.points, contact.most_pushed)
     force = contact.force[index][arc.order] * factor
     _, axes = style.graph()
     for part in np.unique(arc.part):

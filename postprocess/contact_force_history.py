@@ -10,10 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-import style
-from command_line import run_alone
-from files import NotInRun
-from run_folder import RunFolder
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import run_alone
+from .files import NotInRun
+from .run_folder import RunFolder
 
 LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-."), (style.ORANGE, ":")]
 

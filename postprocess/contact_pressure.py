@@ -9,21 +9,20 @@ from pathlib import Path
 
 import numpy as np
 
-import style
-from arc import arc_of, merged
-from command_line import run_alone
-from files import NotInRun
-from report_contact import along_surface, around_contact, rows_of, touched
-from run_folder import RunFolder
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import run_alone
+from .report_contact import along_surface, around_contact, rows_of, touched
+from .run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:
     """Draws the part of the surface that ever touches."""
     run.require_contact()
-    contact = merged(run.contact)
-    if contact.pressure is None:
-        raise NotInRun("the run wrote no contact pressure")
-    place = along_surface(arc_of(contact)) if run.dim == 2 else around_contact(contact)
+    contact = run.contact.by_node()
+    place = along_surface(run, contact) if run.dim == 2 else around_contact(contact)
     times, pressure = contact.times, contact.pressure[1:]
     if run.stores_every_step and len(times) > 3:
         # The mean of two steps is that about the time between them.

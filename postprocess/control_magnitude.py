@@ -13,12 +13,15 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
-import style
-from command_line import run_alone
-from mesh import Mesh, Series
-from report_fields import nodal, support_of
-from run_folder import RunFolder, nearest
-from view import View, view_of
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import run_alone
+from .mesh import Mesh, Series
+from .report_fields import nodal, support_of
+from .run_folder import RunFolder, nearest
+from .view import View, view_of
 
 MOST_ARROWS = 40
 ARROW = 0.15  # length of the longest, as a part of the body's size
@@ -39,7 +42,7 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
     if run.has_contact and run.has_contact_table:
-        mark_contact(axes, run, view, control.times[index], control.mesh.size)
+        mark_contact(axes, run, view, control.times[index])
     return [style.save(axes.figure, run.path / "figures" / "control_magnitude.png")]
 
 
@@ -90,11 +93,10 @@ def control_unit(run: RunFolder) -> str:
     return f"{factor}$10^{{{int(exponent)}}}$ {unit}"
 
 
-def mark_contact(axes: Axes, run: RunFolder, view: View, time: float, size: float) -> None:
-    """Marks the nodes in contact at the stored time (s); the body's size (m) sets what counts as no gap."""
-    index = nearest(run.contact.times, time)
-    # The solver takes 1e-10 of the body's diameter as zero.
-    nodes = run.contact.points[run.contact.touching(index, 1e-10 * size)]
+def mark_contact(axes: Axes, run: RunFolder, view: View, time: float) -> None:
+    """Marks the nodes in contact at the stored time (s)."""
+    contact = run.contact
+    nodes = contact.points[contact.touches[nearest(contact.times, time)]]
     if len(nodes):
         axes.plot(*view.project(nodes).T, "o", color=style.VERMILLION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
                   linestyle="none", clip_on=False, label="in contact")

@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-import style
-from command_line import run_alone
-from run_folder import RunFolder, potential_of_loads
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import run_alone
+from .run_folder import RunFolder, potential_of_loads
 
 
 def draw(run: RunFolder) -> list[Path]:

@@ -6,20 +6,25 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import animation
-import contact_force
-import contact_force_history
-import contact_pressure
-import control_history
-import control_magnitude
-import distance_to_reference
-import energy
-import measurements
-import objective
-import tracking_error
-from command_line import Parents, arguments, complain, say
-from files import NotInRun, Unreadable
-from run_folder import RunFolder
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import (
+    animation,
+    contact_force,
+    contact_force_history,
+    contact_pressure,
+    control_history,
+    control_magnitude,
+    distance_to_reference,
+    energy,
+    measurements,
+    objective,
+    tracking_error,
+)
+from .command_line import Parents, arguments, complain, say
+from .files import NotInRun, Unreadable
+from .run_folder import RunFolder
 
 
 def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:

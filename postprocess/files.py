@@ -3,8 +3,9 @@
 
 import io
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import h5py
 import numpy as np
@@ -38,30 +39,19 @@ def whole_text(file: Path, with_names: bool = False) -> str:
     return text
 
 
-def read_csv(file: Path, obstacles: Sequence[str] = ()) -> Table:
-    """A table below one line of column names. In a column `obstacle` numbers stand for the names, which are `obstacles`. Raises
-    ValueError where a row is not whole."""
+def read_csv(file: Path, words: Mapping[str, Sequence[str]] = MappingProxyType({})) -> Table:
+    """A table below one line of column names. In columns of words their numbers stand for them. Raises ValueError where a row
+    is not whole."""
     header, _, body = whole_text(file).partition("\n")
     columns = header.split(",")
-    if "obstacle" in columns:
-        body = numbered(body, columns.index("obstacle"), obstacles)
+    converters = {columns.index(name): list(known).index for name, known in words.items() if name in columns}
     with warnings.catch_warnings(action="ignore"):
-        rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2)
+        rows = np.loadtxt(io.StringIO(body), delimiter=",", comments=None, ndmin=2, converters=converters, encoding=None)
     if rows.size == 0:
         raise ValueError("there are no rows below the column names")
     if rows.shape[1] != len(columns):
         raise ValueError(f"{len(columns)} column names above {rows.shape[1]} columns")
     return Table(file, zip(columns, rows.T))
-
-
-def numbered(body: str, column: int, names: Sequence[str]) -> str:
-    """Rows with a name's number in its place in a column, where earlier versions wrote the number. Raises ValueError at what
-    is neither."""
-    rows = [line.split(",") for line in body.splitlines()]
-    for row in rows:
-        if len(row) > column:
-            row[column] = str(names.index(row[column]) if row[column] in names else int(row[column]))
-    return "\n".join(map(",".join, rows)) + "\n"
 
 
 def read_dataset(file: Path, dataset: str) -> np.ndarray:

@@ -4,10 +4,12 @@
 import sys
 from pathlib import Path
 
-import report_fit
-import style
-from command_line import run_alone
-from run_folder import RunFolder
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import report_fit, style
+from .command_line import run_alone
+from .run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from files import read_dataset
+from .files import read_dataset
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,25 @@ class Mesh:
     def outline(self) -> np.ndarray:
         """Edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
         return self._edges()[0]
+
+    def loops(self) -> list[np.ndarray]:
+        """The closed lines of the boundary of triangles, by their nodes from the first one back to it."""
+        beside: dict[int, list[int]] = {}
+        for a, b in self.outline().tolist():
+            beside.setdefault(a, []).append(b)
+            beside.setdefault(b, []).append(a)
+        found = []
+        while beside:
+            line = [min(beside)]
+            while line[-1] in beside:
+                here = line[-1]
+                line.append(beside[here].pop())
+                beside[line[-1]].remove(here)
+                for node in {here, line[-1]}:
+                    if not beside[node]:
+                        del beside[node]
+            found.append(np.array(line))
+        return found
 
     def surface(self) -> tuple[np.ndarray, np.ndarray]:
         """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and the

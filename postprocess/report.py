@@ -16,15 +16,16 @@ from pathlib import Path
 import jinja2
 from plotly.offline import get_plotlyjs
 
-import report_compare
-import report_run
-import report_study
-from command_line import Parents, complain, say
-from files import NotInRun, Unreadable
-from report_parts import Page
-from run_folder import RunFolder
-from style import whole_file
-from study_folder import StudyFolder, is_study
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import report_compare, report_run, report_study
+from .command_line import Parents, complain, say
+from .files import NotInRun, Unreadable
+from .report_parts import Page
+from .run_folder import RunFolder
+from .style import whole_file
+from .study_folder import StudyFolder, is_study
 
 TEMPLATE = "report.html.jinja"
 

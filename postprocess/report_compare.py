@@ -7,18 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-import report_fit
-import report_motion
-import report_probes
-import style
-from animation import enlargement
-from files import NotInRun, Unreadable
-from report_contact import FROM_ZERO
-from report_control import resultant_of
-from report_fields import stored_fields
-from report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
-from report_run import logarithmic, objective_unit, positive
-from run_folder import RunFolder, potential_of_loads
+from . import report_fit, report_motion, report_probes, style
+from .animation import enlargement
+from .files import NotInRun, Unreadable
+from .report_contact import FROM_ZERO
+from .report_control import resultant_of
+from .report_fields import stored_fields
+from .report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
+from .report_run import logarithmic, objective_unit, positive
+from .run_folder import RunFolder, potential_of_loads
 
 ROUNDING = 1e-9  # a relative difference that tells nothing
 STEPWISE = "active", "control-resultant"  # a row holds for the step that ends there

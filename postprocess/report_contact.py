@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import style
-from arc import Arc, arc_of, merged
-from files import NotInRun
-from report_parts import GREY, Chart, Table, figure, line, packed, quantity, time_axis
-from run_folder import Contact, RunFolder
+from . import style
+from .boundary import Arc, arc_of
+from .files import NotInRun
+from .report_parts import GREY, Chart, Table, figure, line, packed, quantity, time_axis
+from .run_folder import Contact, RunFolder
 
 MOST_COLUMNS = 400  # times in a map of the contact surface
 RINGS = 40  # distances in that of a body in space
@@ -92,8 +92,8 @@ def contact_surface(run: RunFolder) -> Chart:
     run.require_contact()
     names = run.obstacle_names
     if run.dim == 2:
-        contact = merged(run.contact)
-        views = surface_views(run, contact, along_surface(arc_of(contact)))
+        contact = run.contact.by_node()
+        views = surface_views(run, contact, along_surface(run, contact))
         note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all."
     else:
         pushes = run.contact.force.any()
@@ -114,8 +114,13 @@ class Place:
     title: str
 
 
-def along_surface(arc: Arc) -> Place:
-    """A row for each candidate and for what is between two parts of the surface."""
+def along_surface(run: RunFolder, contact: Contact) -> Place:
+    """A row for each candidate of a plane body, each node once, and for what is between two parts of the surface."""
+    return along(arc_of(run.boundary_mesh, contact.points, contact.most_pushed))
+
+
+def along(arc: Arc) -> Place:
+    """Likewise for any points of the boundary."""
     return Place(arc.edges(), arc.rows(), "position along the surface (m)")
 
 
@@ -133,8 +138,6 @@ def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, d
     times, views, axis = contact.times, {}, {"range": touched(contact, place)}
     values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.dim))}
     for what, (of, unit) in values.items():
-        if of is None:
-            continue
         if run.stores_every_step and len(times) > 2:
             views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)
         # What acts in a step that ends at a stored time.

@@ -3,14 +3,14 @@
 
 import numpy as np
 
-import style
-from arc import arc_of
-from files import NotInRun
-from mesh import Series
-from report_contact import MOST_COLUMNS, Place, along_surface, heatmap
-from report_fields import area, nodal, support_of
-from report_parts import Chart, figure, line, time_axis
-from run_folder import Contact, RunFolder
+from . import style
+from .boundary import arc_of
+from .files import NotInRun
+from .mesh import Series
+from .report_contact import MOST_COLUMNS, Place, along, heatmap
+from .report_fields import area, nodal, support_of
+from .report_parts import Chart, figure, line, time_axis
+from .run_folder import RunFolder
 
 LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
 
@@ -67,9 +67,7 @@ def boundary(run: RunFolder) -> list[Chart]:
     scale, every = run.told(lambda: float(run.scene["control"]["scale"])), -(-len(control.times) // MOST_COLUMNS)
     values = scale * np.stack([nodal(control, control.at(i), support)[support] for i in range(0, len(control.times), every)])
     size = np.linalg.norm(values, axis=2)
-    nothing = np.zeros_like(size)
-    nodes = control.mesh.points[support]
-    place = along_surface(arc_of(Contact(control.times, nodes, np.zeros(len(nodes), int), nothing, size)))
+    place = along(arc_of(control.mesh, control.mesh.points[support], int(np.argmax(size.sum(axis=0)))))
     parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xy") if values[:, :, i].any()}
     views = {name: over_boundary(run.middles(control.times[::every]), place, part) for name, part in parts.items()}
     return [Chart("control-boundary", "Control along the boundary", views, "Position 0 is where the control pushes the most.")]

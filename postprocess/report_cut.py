@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mesh import Mesh
-from surfaces import between, facing, zeros
+from .mesh import Mesh
+from .surfaces import between, facing, zeros
 
 
 @dataclass(frozen=True)

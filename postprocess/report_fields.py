@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from files import NotInRun
-from mesh import Mesh, Series
-from run_folder import RunFolder, nearest
+from .files import NotInRun
+from .mesh import Mesh, Series
+from .run_folder import RunFolder, nearest
 
 VECTORS = {"displacement": ("state.xdmf", "m"), "velocity": ("state.xdmf", "m/s"), "control": ("control.xdmf", "× control.scale"),
            "adjoint": ("adjoint.xdmf", "")}  # fmt: skip

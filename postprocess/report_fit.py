@@ -8,10 +8,10 @@ from itertools import combinations
 
 import numpy as np
 
-import style
-from files import NotInRun, whole_text
-from report_parts import GREY, Chart, Gathering, Section, Table, dots, figure, line, packed, time_axis
-from run_folder import RunFolder
+from . import style
+from .files import NotInRun, whole_text
+from .report_parts import GREY, Chart, Gathering, Section, Table, dots, figure, line, packed, time_axis
+from .run_folder import RunFolder
 
 ELLIPSES = {"39 %: one deviation along each axis": 1.0, "95 %": 5.991**0.5}  # of two unknowns; radii in standard deviations
 

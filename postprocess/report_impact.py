@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from report_parts import Table, quantity
-from run_folder import RunFolder
-from style import per_depth, prefixed
+from .report_parts import Table, quantity
+from .run_folder import RunFolder
+from .style import per_depth, prefixed
 
 
 def impact(run: RunFolder) -> list[Table]:

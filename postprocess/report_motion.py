@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import style
-from animation import enlargement
-from files import NotInRun
-from mesh import Mesh
-from report_cut import Cut, cut_open
-from report_fields import Field, stored_fields
-from report_parts import packed, whole
-from run_folder import RunFolder, nearest
-from scenery import Scenery, drawn_obstacles, picture, scenery
+from . import style
+from .animation import enlargement
+from .files import NotInRun
+from .mesh import Mesh
+from .report_cut import Cut, cut_open
+from .report_fields import Field, stored_fields
+from .report_parts import packed, whole
+from .run_folder import RunFolder, nearest
+from .scenery import Scenery, drawn_obstacles, picture, scenery
 
 MOST_FRAMES = 100
 MOST_NUMBERS = 2_000_000  # in all frames, which then take about 5 MB
@@ -99,11 +99,11 @@ def eye(run: RunFolder, mesh: Mesh) -> list[float]:
         return [0.0, 0.0, 1.5]
     x, y, _ = np.ptp(mesh.points, axis=0)
     way = np.array([0.9, -1.5, 0.55]) if x >= y else np.array([1.5, -0.9, 0.55])
-    plane = run.half_space
-    if plane is not None:
+    normal = run.plane_normal
+    if normal is not None:
         side = np.array([1.0, 1.0, 1.0])
-        side[:2] = np.where((plane.normal[:2] * way[:2] < 0) & (np.abs(plane.normal[:2]) > 0.5), -1, 1)
-        side[2] = -1 if plane.normal[2] < -0.5 else 1
+        side[:2] = np.where((normal[:2] * way[:2] < 0) & (np.abs(normal[:2]) > 0.5), -1, 1)
+        side[2] = -1 if normal[2] < -0.5 else 1
         way = way * side
     return way.tolist()
 
@@ -128,7 +128,7 @@ def seen_obstacles(run: RunFolder, mesh: Mesh, times: np.ndarray, position: np.n
                    notes: list[str]) -> tuple[list[Scenery], np.ndarray]:
     """Obstacles and the box of the picture; a note where they cannot be drawn."""
     try:
-        obstacles = drawn_obstacles(run, mesh, enlarged)
+        obstacles = drawn_obstacles(run, enlarged)
     except NotInRun as reason:
         notes.append(f"no obstacle is drawn: {reason}")
         return [], picture([], times, position, mesh.size)
@@ -188,6 +188,5 @@ def touching(run: RunFolder, mesh: Mesh, times: np.ndarray) -> dict | None:
     candidates = np.array([np.abs(mesh.points - point).max(axis=1).argmin() for point in contact.points])
     # A candidate between two nodes, as elements of second degree have them, has no place in the mesh.
     known = np.abs(mesh.points[candidates] - contact.points).max(axis=1) < 1e-9 * mesh.size
-    # The solver takes 1e-10 of the body's diameter as zero.
-    state = np.stack([contact.touching(nearest(contact.times, time), 1e-10 * mesh.size)[known] for time in times])
+    state = np.stack([contact.touches[nearest(contact.times, time)][known] for time in times])
     return {"nodes": packed(candidates[known], "i4"), "on": packed(state, "u1")} if state.any() else None

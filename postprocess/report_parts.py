@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from files import NotInRun
-from style import prefixed
+from .files import NotInRun
+from .style import prefixed
 
 GREY = "#8c8c8c"
 

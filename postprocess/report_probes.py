@@ -3,10 +3,10 @@
 
 import numpy as np
 
-import style
-from files import NotInRun
-from report_parts import Chart, figure, line, time_axis
-from run_folder import RunFolder
+from . import style
+from .files import NotInRun
+from .report_parts import Chart, figure, line, time_axis
+from .run_folder import RunFolder
 
 UNITS = {"displacement": "m", "velocity": "m/s", "center": "m", "rotation": "rad"}
 PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # in the plane per metre

@@ -3,16 +3,11 @@
 
 import numpy as np
 
-import report_contact
-import report_control
-import report_fit
-import report_motion
-import report_probes
-import style
-from files import NotInRun, Table as Columns, whole_text
-from report_impact import energy_account, impact
-from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
-from run_folder import RunFolder, potential_of_loads
+from . import report_contact, report_control, report_fit, report_motion, report_probes, style
+from .files import NotInRun, Table as Columns, whole_text
+from .report_impact import energy_account, impact
+from .report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
+from .run_folder import RunFolder, potential_of_loads
 
 FROM_ZERO = {"rangemode": "tozero"}
 SHADES = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"]  # viridis, of least shares first

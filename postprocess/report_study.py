@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 
-import style
-from report_parts import GREY, Chart, Page, Section, Table, figure, packed, quantity, whole
-from run_folder import Unreadable
-from study_folder import Method, Rung, StudyFolder
+from . import style
+from .report_parts import GREY, Chart, Page, Section, Table, figure, packed, quantity, whole
+from .run_folder import Unreadable
+from .study_folder import Method, Rung, StudyFolder
 
 COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross"]

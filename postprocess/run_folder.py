@@ -16,11 +16,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
-from mesh import Mesh, Series
-from obstacles import HalfSpace, Obstacle, names, read_obstacles, with_fitted_obstacles
+from .files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
+from .mesh import Mesh, Series
+from .obstacles import Obstacle, normals, read_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
+
+STATUS = ["open", "weak", "strong"]  # of a candidate
 
 T = TypeVar("T")
 
@@ -28,19 +30,16 @@ T = TypeVar("T")
 @dataclass(frozen=True)
 class Contact:
     """What every candidate (m × dim, m) of an obstacle (m, numbers from 0) does at the stored times (s), times × m: gap (m),
-    normal force (N, in the plane N/m) and, where the run wrote them, pressure (N/m²) and the force's direction (m × dim)."""
+    normal force (N, in the plane N/m), whether it is in contact, pressure (N/m²); the force's direction (m × dim)."""
 
     times: np.ndarray
     points: np.ndarray
     obstacle: np.ndarray
     gap: np.ndarray
     force: np.ndarray
-    pressure: np.ndarray | None = None
-    normal: np.ndarray | None = None
-
-    def touching(self, index: int, tolerance: float) -> np.ndarray:
-        """Which candidates are in contact at times[index]: they carry a force or have no gap; tolerance in m."""
-        return (self.force[index] > 0) | (self.gap[index] <= tolerance)
+    touches: np.ndarray
+    normal: np.ndarray
+    pressure: np.ndarray
 
     @property
     def most_pushed(self) -> int:
@@ -48,12 +47,22 @@ class Contact:
         total = self.force.sum(axis=0)
         return int(np.argmax(total) if total.any() else np.argmin(self.gap.min(axis=0)))
 
+    def by_node(self) -> "Contact":
+        """One candidate for each node: of one that several obstacles may touch the sum of the forces and the least gap."""
+        points, first, node = np.unique(self.points, axis=0, return_index=True, return_inverse=True)
+        shape, node = (len(self.times), len(points)), node.ravel()
+        gap, force, pressure, touches = np.full(shape, np.inf), np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
+        np.minimum.at(gap, (slice(None), node), self.gap)
+        np.add.at(force, (slice(None), node), self.force)
+        np.add.at(pressure, (slice(None), node), self.pressure)
+        np.logical_or.at(touches, (slice(None), node), self.touches)
+        return Contact(self.times, points, np.zeros(len(points), int), gap, force, touches, self.normal[first], pressure)
+
     def of(self, obstacle: int) -> "Contact":
         """The candidates of one obstacle alone."""
         own = self.obstacle == obstacle
-        pressure = None if self.pressure is None else self.pressure[:, own]
-        normal = None if self.normal is None else self.normal[own]
-        return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own], pressure, normal)
+        return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own],
+                       self.touches[:, own], self.normal[own], self.pressure[:, own])  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -90,13 +99,6 @@ class RunFolder:
     def is_fit(self) -> bool:
         """Whether unknowns were fitted to measurements."""
         return (self.path / "run.json").is_file() and "unknowns_fitted" in self.manifest
-
-    @cached_property
-    def fitted_scene(self) -> dict:
-        """The scene with its obstacles where a fit found them."""
-        if not self.is_fit:
-            return self.scene
-        return self.told(lambda: with_fitted_obstacles(self.scene, [one["value"] for one in self.manifest["unknowns_fitted"]]))
 
     @property
     def verb(self) -> str:
@@ -139,38 +141,31 @@ class RunFolder:
         steps, first = np.unique(table["step"], return_index=True)
         shape = (len(steps), -1)
         try:
-            gap, force = table["gap"].reshape(shape), table["force"].reshape(shape)
+            gap, force, status, pressure = (table[name].reshape(shape) for name in ("gap", "force", "status", "pressure"))
         except ValueError:
             raise Unreadable(f"{self.path / 'contact.csv'}: not every step has the same number of nodes") from None
         count = gap.shape[1]
-        axes = [table[axis][:count] for axis in "xyz" if axis in table]
-        obstacle = table["obstacle"][:count].astype(int) if "obstacle" in table else np.zeros(count, int)
-        pressure = table["pressure"].reshape(shape) if "pressure" in table else None
-        normals = [table[f"normal_{axis}"][:count] for axis in "xyz"[: len(axes)] if f"normal_{axis}" in table]
-        normal = np.column_stack(normals) if normals else None
-        return Contact(table["time"][first], np.column_stack(axes), obstacle, gap, force, pressure, normal)
+        axes = [axis for axis in "xyz" if axis in table]
+        points, normal = (np.column_stack([table[before + axis][:count] for axis in axes]) for before in ("", "normal_"))
+        touches = status != STATUS.index("open")
+        return Contact(table["time"][first], points, table["obstacle"][:count].astype(int), gap, force, touches, normal, pressure)
 
     @cached_property
     def obstacles(self) -> list[Obstacle]:
         """What the body may touch, in the scene's order."""
-        try:
-            size = self.field("state.xdmf", "displacement").mesh.size
-        except NotInRun:
-            size = float(np.ptp(self.contact.points, axis=0).max())
-        return self.told(lambda: read_obstacles(self.fitted_scene, size))
+        return self.read("surfaces.h5", lambda file: read_obstacles(file, self.obstacle_names))
 
     @property
-    def half_space(self) -> HalfSpace | None:
-        """The one obstacle of a scene, where that is a half-space."""
-        contact = self.scene.get("contact")
-        if isinstance(contact, dict) and contact["obstacle"]["shape"] == "half-space":
-            return self.told(lambda: read_obstacles(self.fitted_scene, 1.0)[0].shape)
-        return None
+    def plane_normal(self) -> np.ndarray | None:
+        """The direction out of the one obstacle of a scene, where that is a plane."""
+        if not self.has_contact or len(self.obstacle_names) > 1 or not self.obstacles[0].flat:
+            return None
+        return normals(self.obstacles[0].points, self.obstacles[0].facets)[0]
 
     @cached_property
     def obstacle_steps(self) -> list[ObstacleSteps]:
         """obstacles.csv, in the scene's order."""
-        table = self.read("obstacles.csv", lambda file: read_csv(file, self.obstacle_names))
+        table = self.read("obstacles.csv", lambda file: read_csv(file, {"obstacle": self.obstacle_names}))
         numbers = np.unique(table["obstacle"])
         rows = [table["obstacle"] == number for number in numbers]
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
@@ -186,7 +181,9 @@ class RunFolder:
     @property
     def obstacle_names(self) -> list[str]:
         """Those that the scene gives, or numbers."""
-        return names(self.scene)
+        given = self.scene.get("contact", [])
+        tables = given if isinstance(given, list) else [given]
+        return [table["obstacle"].get("name", f"obstacle {i}") for i, table in enumerate(tables, 1)]
 
     @property
     def has_contact(self) -> bool:
@@ -231,9 +228,9 @@ class RunFolder:
         run wrote the resultant of several directions only."""
         if "normal_force" in self.steps:
             return self.steps["normal_force"]
-        if (plane := self.half_space) is None:
+        if (normal := self.plane_normal) is None:
             raise NotInRun("the run wrote contact forces as a resultant only")
-        return self.resultant @ plane.normal
+        return self.resultant @ normal
 
     @property
     def resultant(self) -> np.ndarray:
@@ -267,6 +264,14 @@ class RunFolder:
     def mesh(self, file: str) -> Mesh:
         """The mesh of the functions of `file` (one of the .xdmf files)."""
         return self._mesh(self.read(file, lambda path: ElementTree.fromstring(whole_text(path))))
+
+    @cached_property
+    def boundary_mesh(self) -> Mesh:
+        """The mesh of any field. Raises NotInRun where the run wrote none."""
+        for file in ("state.xdmf", "control.xdmf", "adjoint.xdmf"):
+            if (self.path / file).is_file():
+                return self.mesh(file)
+        raise NotInRun("the run wrote no field, and no mesh with it")
 
     def _mesh(self, document: ElementTree.Element) -> Mesh:
         return Mesh(read_dataset(*self._reference(document.find(".//Geometry/DataItem"))),
@@ -351,7 +356,7 @@ class RunFolder:
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
         """A .csv file with as many rows as run.json tells of, where there is one."""
-        table = self.read(file, lambda path: read_csv(path, self.obstacle_names if file == "contact.csv" else ()))
+        table = self.read(file, lambda path: read_csv(path, {"obstacle": self.obstacle_names, "status": STATUS} if file == "contact.csv" else {}))
         found = len(next(iter(table.values())))
         if (self.path / "run.json").is_file() and found != (told := self.told(rows)):
             raise Unreadable(f"{self.path / file}: found {found} rows, but run.json tells of {told}: it was cut, or is of another run")

@@ -9,16 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mesh import Mesh
-from obstacles import Obstacle, normals
-from run_folder import RunFolder
-from surfaces import Triangles, seen_of
+from .obstacles import Facets, Obstacle
+from .run_folder import RunFolder
+from .surfaces import seen_of
 
 BAND = 0.06  # thickness of what is drawn of an obstacle in the plane, as a part of the body's size
 WHOLE = 2.5  # an obstacle up to so many times as large as the body is drawn whole
 NEAR = 0.25  # where it comes as near as this, likewise
 MARGIN = 0.1  # of a picture around the body, likewise
-SPACING = 1e-4  # of differences, likewise
 
 
 @dataclass(frozen=True)
@@ -26,43 +24,49 @@ class Scenery:
     """An obstacle over the frames of a picture: which of `shapes` is seen in each frame, and how far off (frames × dim, m)."""
 
     name: str
-    shapes: list[Triangles]
+    shapes: list[Facets]
     shape: list[int]
     offset: np.ndarray
 
 
-def drawn_obstacles(run: RunFolder, mesh: Mesh, enlarged: float) -> list[Obstacle]:
+def drawn_obstacles(run: RunFolder, enlarged: float) -> list[Obstacle]:
     """Those of a run as they are drawn beside displacements so many times as large."""
     found = []
     for i, obstacle in enumerate(run.obstacles):
-        points = candidates(run, i, mesh)
-        height = obstacle.shape.height(points, 0.0)
-        closest = int(np.argmin(height))
-        way = normals(obstacle.shape, points[[closest]], 0.0, SPACING * mesh.size)[0]
-        found.append(Obstacle(obstacle.name, obstacle.shape.drawn(enlarged, (1 - enlarged) * height[closest] * way)))
+        shown = touching_ones(run, i, obstacle)
+        closest = shown[np.argmin(obstacle.gap[shown])]
+        found.append(obstacle.drawn(enlarged, (1 - enlarged) * obstacle.gap[closest] * obstacle.normal[closest]))
     return found
 
 
-def candidates(run: RunFolder, obstacle: int, mesh: Mesh) -> np.ndarray:
-    """Places of those of an obstacle that ever touch it, of all of them if none does, of the mesh's nodes if no table tells, m."""
+def touching_ones(run: RunFolder, number: int, obstacle: Obstacle) -> np.ndarray:
+    """Numbers of those candidates of an obstacle that ever touch it; of all if none does or no table tells."""
+    everyone = np.arange(len(obstacle.gap))
     if not run.has_contact_table:
-        return mesh.points
-    contact = run.contact.of(obstacle)
-    pushed = contact.force.any(axis=0)
-    return contact.points[pushed] if pushed.any() else contact.points
+        return everyone
+    pushed = run.contact.of(number).force.any(axis=0)
+    return everyone[pushed] if pushed.any() else everyone
 
 
 def scenery(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, size: float) -> tuple[list[Scenery], np.ndarray]:
     """What is seen of obstacles near a body (frames × nodes × dim), and the box (two corners) that holds it all."""
     near = [obstacle for obstacle in obstacles if comes_near(obstacle, times, position, size)]
     box = picture(near, times, position, size)
-    return [over_frames(obstacle, times, box, size) for obstacle in near], box
+    return [over_frames(obstacle, times, size) for obstacle in near], box
 
 
 def comes_near(obstacle: Obstacle, times: np.ndarray, position: np.ndarray, size: float) -> bool:
-    """Whether any node ever is within the body's size of the obstacle."""
+    """Whether any part of it ever is within the body's size of the box around the body."""
     shown = range(0, len(times), max(1, len(times) // 20))
-    return any(obstacle.shape.height(position[i], times[i]).min() < size for i in shown)
+    return any(within(obstacle.at(times[i]), position[i], size) for i in shown)
+
+
+def within(surface: Facets, body: np.ndarray, distance: float) -> bool:
+    """Whether the box of a facet comes as near to that of a body."""
+    points, facets = surface
+    corners = points[facets]
+    apart = np.maximum(corners.min(axis=1, initial=np.inf) - body.max(axis=0), body.min(axis=0) - corners.max(axis=1, initial=-np.inf))
+    return bool((apart < distance).all(axis=1).any())
 
 
 def picture(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
@@ -71,52 +75,30 @@ def picture(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, 
     box = np.array([low - MARGIN * size, high + MARGIN * size])
     for obstacle in obstacles:
         for i, time in enumerate(times):
-            extent = obstacle.shape.extent(time)
-            if extent is None or not (np.ptp(extent, axis=0) <= WHOLE * size).all():
+            points, _ = obstacle.at(time)
+            if not obstacle.whole or not (np.ptp(points, axis=0) <= WHOLE * size).all():
                 break
-            if obstacle.shape.height(position[i], time).min() < NEAR * size:
-                box = np.array([np.minimum(box[0], extent[0] - BAND * size), np.maximum(box[1], extent[1] + BAND * size)])
+            if within(obstacle.at(time), position[i], NEAR * size):
+                box = np.array([np.minimum(box[0], points.min(axis=0) - BAND * size), np.maximum(box[1], points.max(axis=0) + BAND * size)])
     return box
 
 
-def over_frames(obstacle: Obstacle, times: np.ndarray, box: np.ndarray, size: float) -> Scenery:
+def over_frames(obstacle: Obstacle, times: np.ndarray, size: float) -> Scenery:
     """One shape for an obstacle that keeps it, else one for each frame."""
-    shape, count, depth = obstacle.shape, len(times), BAND * size
-    still = np.zeros((count, box.shape[1]))
-    if not shape.moves:
-        return Scenery(obstacle.name, [seen_of(shape, 0.0, box, depth, False)], [0] * count, still)
-    if not shape.rigid:
-        return Scenery(obstacle.name, [seen_of(shape, time, box, depth, True) for time in times], list(range(count)), still)
-    travel = np.stack([shape.travel(time) for time in times])
-    # That of the frame in which the most of it is in the picture.
-    main = middle_frame(shape, times, box)
-    points, faces = seen_of(shape, times[main], box, depth, False)
-    return Scenery(obstacle.name, [(points, faces)], [0] * count, travel - travel[main])
-
-
-def middle_frame(shape: object, times: np.ndarray, box: np.ndarray) -> int:
-    """The frame in which the obstacle is nearest to the middle of the box."""
-    middle = box.mean(axis=0, keepdims=True)
-    return int(np.argmin([abs(shape.height(middle, time)[0]) for time in times]))
+    count, depth = len(times), BAND * size
+    if not obstacle.rigid:
+        return Scenery(obstacle.name, [seen_of(obstacle, time, depth) for time in times], list(range(count)),
+                       np.zeros((count, obstacle.points.shape[1])))  # fmt: skip
+    travel = np.stack([obstacle.travel(time) for time in times])
+    points, faces = seen_of(obstacle, times[0], depth)
+    return Scenery(obstacle.name, [(points, faces)], [0] * count, travel - travel[0])
 
 
 def main_normal(run: RunFolder) -> np.ndarray:
     """The direction out of a plane; of another obstacle, or of several, the axis next to that where the body is pushed the most.
     Raises NotInRun where no table tells."""
-    if (plane := run.half_space) is not None:
-        return plane.normal
-    way = directions(run)[run.contact.most_pushed]
+    if (plane := run.plane_normal) is not None:
+        return plane
+    way = run.contact.normal[run.contact.most_pushed]
     axis = int(np.argmax(np.abs(way)))
     return np.sign(way[axis]) * np.eye(len(way))[axis]
-
-
-def directions(run: RunFolder) -> np.ndarray:
-    """Directions in which obstacles push candidates (candidates × dim): those that the run wrote, else those at the start."""
-    contact = run.contact
-    if contact.normal is not None:
-        return contact.normal
-    found, size = np.zeros_like(contact.points), float(np.ptp(contact.points, axis=0).max())
-    for i, obstacle in enumerate(run.obstacles):
-        own = contact.obstacle == i
-        found[own] = normals(obstacle.shape, contact.points[own], 0.0, SPACING * size)
-    return found

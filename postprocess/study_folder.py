@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from run_folder import Unreadable, whole_text
+from .run_folder import Unreadable, whole_text
 
 NUMBERS = ["size", "step", "degree", "unknowns", "steps", "seconds", "memory_bytes", "tolerance"]
 

@@ -9,6 +9,9 @@ import importlib
 import os
 import sys
 
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
 MOST_THREADS = 1024
 SCRIPTS = {"report": "report", "figures": "figures", "plot": "watch"}
 
@@ -27,7 +30,7 @@ def main() -> int:
     if given.quiet:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")
     try:
-        script = importlib.import_module(SCRIPTS[verb])
+        script = importlib.import_module(f".{SCRIPTS[verb]}", __package__)
     except ModuleNotFoundError as missing:
         print(f"signorini {verb}: found no Python package {missing.name} ({sys.executable}), allowed is a python3 with numpy, h5py, "
               "matplotlib, jinja2 and plotly", file=sys.stderr)  # fmt: skip

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from files import NotInRun
-from mesh import Mesh
-from run_folder import RunFolder
-from scenery import main_normal
+from .files import NotInRun
+from .mesh import Mesh
+from .run_folder import RunFolder
+from .scenery import main_normal
 
 
 @dataclass(frozen=True)

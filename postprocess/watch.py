@@ -13,11 +13,14 @@ import sys
 import time
 from pathlib import Path
 
-import style
-from command_line import Parents, complain, say
-from files import NotInRun, Table, Unreadable, read_csv
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import Parents, complain, say
+from .files import NotInRun, Table, Unreadable, read_csv
 from matplotlib.figure import Figure
-from run_folder import RunFolder
+from .run_folder import RunFolder
 
 
 # Columns of history.csv, with their labels; those of a fit and of a search differ.

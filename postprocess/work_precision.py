@@ -5,11 +5,14 @@ import argparse
 import sys
 from pathlib import Path
 
-import style
-from command_line import complain, say
+if not __package__:  # called by its file
+    from as_package import NAME as __package__
+
+from . import style
+from .command_line import complain, say
 from matplotlib.lines import Line2D
-from run_folder import Unreadable
-from study_folder import Method, StudyFolder, is_study
+from .run_folder import Unreadable
+from .study_folder import Method, StudyFolder, is_study
 
 COLOURS = {("contact-implicit", "consistent"): style.BLUE, ("contact-stabilized", "consistent"): style.VERMILLION,
            ("contact-implicit", "massless"): style.GREEN}  # fmt: skip

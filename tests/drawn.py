@@ -14,18 +14,18 @@ from harness import SOURCE, stored
 from recomputed import Run, fail, near, same
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
-import animation  # noqa: E402
-import figures as all_figures  # noqa: E402
-import obstacles  # noqa: E402
-import report_compare  # noqa: E402
-import report_motion  # noqa: E402
-import report_run  # noqa: E402
-import report_study  # noqa: E402
-import style  # noqa: E402
-import work_precision  # noqa: E402
-from report_parts import Page, Table  # noqa: E402
-from run_folder import RunFolder  # noqa: E402
-from study_folder import StudyFolder  # noqa: E402
+import as_package  # noqa: E402, F401
+from signorini.post import animation  # noqa: E402
+from signorini.post import figures as all_figures  # noqa: E402
+from signorini.post import report_compare  # noqa: E402
+from signorini.post import report_motion  # noqa: E402
+from signorini.post import report_run  # noqa: E402
+from signorini.post import report_study  # noqa: E402
+from signorini.post import style  # noqa: E402
+from signorini.post import work_precision  # noqa: E402
+from signorini.post.report_parts import Page, Table  # noqa: E402
+from signorini.post.run_folder import RunFolder  # noqa: E402
+from signorini.post.study_folder import StudyFolder  # noqa: E402
 
 SINGLE = 1e-6  # pages have numbers of single precision
 PREFIXES = ["n", "µ", "m", "", "k", "M", "G", "T"]
@@ -777,23 +777,6 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
         same("control_magnitude.png: nodes in contact", len(marks[0].get_xdata()) if marks else 0, int(on.sum()))
         if marks:
             near("control_magnitude.png: their places", np.sort(marks[0].get_xdata()), np.sort(rows["x"][:count][on]), 1e-12)
-
-
-def fitted_obstacles() -> None:
-    """A fit's obstacles are drawn where its unknowns put them: planes shifted along their normal and then turned, balls moved and grown."""
-    tilt, shift, turn = np.array([0.3, 1]) / np.hypot(0.3, 1), 0.07, 0.2
-    ball = {"name": "ball", "shape": "ball", "center": [0.2, "0.3 + t"], "radius": 0.5}
-    plane = {"name": "plane", "shape": "half-space", "point": [0.1, "-0.2 + t"], "normal": [0.3, 1]}
-    names = [("angle", "plane", None, turn), ("radius", "ball", None, 0.6), ("position", "plane", None, shift), ("center", "ball", "y", 0.9), ("young", None, None, 3.0)]
-    scene = {"contact": [{"obstacle": ball}, {"obstacle": plane}],
-             "unknown": [{key: value for key, value in (("of", of), ("obstacle", obstacle), ("component", axis)) if value} for of, obstacle, axis, _ in names]}  # fmt: skip
-    moved = obstacles.with_fitted_obstacles(scene, [value for *_, value in names])
-    round_, flat = (one.shape for one in obstacles.read_obstacles(moved, 1.0))
-    x = np.array([[0.4, 0.1], [-0.3, 0.8], [1.0, 1.0]])
-    normal = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ tilt
-    near("a plane that is shifted and turned", flat.height(x, 0.25), (x - [0.1, 0.05] - shift * tilt) @ normal)
-    near("a ball that is moved and grows", round_.height(x, 0.25), np.linalg.norm(x - [0.2, 0.9], axis=1) - 0.6)
-    near("the scene itself stays", obstacles.read_obstacles(scene, 1.0)[0].shape.height(x, 0.0), np.linalg.norm(x - [0.2, 0.3], axis=1) - 0.5)
 
 
 # --- A study ----------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace signorini {
 
@@ -102,6 +103,29 @@ inline bool read_row(hid_t table, std::size_t row, std::span<double> values) {
 inline bool write_row(hid_t table, std::size_t row, std::span<const double> values) {
   const auto [in_file, in_memory] = row_spaces(table, row, values.size());
   return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
+}
+
+/// Properties of datasets that two equal runs write with equal bytes.
+inline Hdf5Handle plain_layout() {
+  Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  H5Pset_obj_track_times(list, false);
+  return list;
+}
+
+inline Hdf5Handle make_group(hid_t place, const char* name) {
+  return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
+}
+
+/// Writes a dataset of doubles or integers, `layout` of its properties. False if that fails.
+template <class T>
+bool write_whole(hid_t place, const char* name, const std::vector<hsize_t>& shape, const T* values,
+                 hid_t layout) {
+  const hid_t stored = std::is_same_v<T, double> ? H5T_IEEE_F64LE : H5T_STD_I64LE;
+  const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  Hdf5Handle set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
+  const bool written = set && H5Dwrite(set, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+  return set.finish() && written;
 }
 
 /// Rows and columns of a dataset; zeros unless it has two dimensions.

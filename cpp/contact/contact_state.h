@@ -15,6 +15,11 @@ enum class Status : std::uint8_t {
   strong, ///< S: g = 0 and λ > 0; where it depends on others of its node, their λ counts too
 };
 
+/// As tables have it.
+[[nodiscard]] constexpr const char* name(Status status) {
+  return status == Status::open ? "open" : status == Status::weak ? "weak" : "strong";
+}
+
 /// The largest penetration allowed of a body of a diameter, m.
 [[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
 

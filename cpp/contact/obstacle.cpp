@@ -2,6 +2,7 @@
 #include "contact/obstacle.h"
 #include "base/error.h"
 #include "base/overloads.h"
+#include "base/point.h"
 #include "base/text.h"
 #include <algorithm>
 #include <cmath>
@@ -10,15 +11,7 @@
 namespace signorini::contact {
 namespace {
 
-using Point = std::array<double, 3>;
-
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-double length(const Point& a) { return std::hypot(a[0], a[1], a[2]); }
-
-Point scaled(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; }
-
-Point from(const Point& a, const double* x) { return {x[0] - a[0], x[1] - a[1], x[2] - a[2]}; }
+Point point(const double* x) { return {x[0], x[1], x[2]}; }
 
 Point unit(const std::vector<double>& x) {
   Point p{};
@@ -72,7 +65,7 @@ Obstacle::Place Obstacle::place(double t) const {
 
 Obstacle::Plane Obstacle::at(const double* x, const Place& place) const {
   return std::visit(Overloads{[&](const scene::HalfSpace&) {
-                                return Plane{direction_, dot(direction_, from(place.point, x))};
+                                return Plane{direction_, dot(direction_, from(place.point, point(x)))};
                               },
                               [&](const scene::Ball&) { return round(x, place); },
                               [&](const scene::Cylinder&) { return round(x, place); },
@@ -85,7 +78,7 @@ Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
   const auto round = [&] {
     const Point r = from_middle(x, place);
     const double distance = length(r), sign = inside_ ? -1 : 1;
-    const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_).data());
+    const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_));
     const double away = dot(r, drift) / distance; // of the distance
     Point turn{};
     for (std::size_t c = 0; c < 3; ++c)
@@ -93,7 +86,7 @@ Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
     return Plane{turn, sign * (away - rate.radius)};
   };
   return std::visit(Overloads{[&](const scene::HalfSpace&) {
-                                return Plane{rate.normal, dot(rate.normal, from(place.point, x)) -
+                                return Plane{rate.normal, dot(rate.normal, from(place.point, point(x))) -
                                                               dot(direction_, rate.point)};
                               },
                               [&](const scene::Ball&) { return round(); },
@@ -104,21 +97,39 @@ Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
 
 double Obstacle::level(const double* x, const Place& place) const {
   const auto round = [&] { return (inside_ ? -1 : 1) * (length(from_middle(x, place)) - place.radius); };
-  return std::visit(Overloads{[&](const scene::HalfSpace&) { return dot(direction_, from(place.point, x)); },
-                              [&](const scene::Ball&) { return round(); },
-                              [&](const scene::Cylinder&) { return round(); },
-                              [&](const scene::SignedDistance&) {
-                                double value = 0;
-                                distance_->evaluate(x, place.t, &value);
-                                return value;
-                              }},
-                    shape_);
+  return std::visit(
+      Overloads{[&](const scene::HalfSpace&) { return dot(direction_, from(place.point, point(x))); },
+                [&](const scene::Ball&) { return round(); }, [&](const scene::Cylinder&) { return round(); },
+                [&](const scene::SignedDistance&) {
+                  double value = 0;
+                  distance_->evaluate(x, place.t, &value);
+                  return value;
+                }},
+      shape_);
+}
+
+std::optional<std::array<std::array<double, 3>, 2>> Obstacle::extent(const Place& place) const {
+  if (!radius_)
+    return std::nullopt;
+  std::array<Point, 2> corners{place.point, place.point};
+  for (std::size_t c = 0; c < dim_; ++c) {
+    const double reach = direction_[c] == 0 ? place.radius : std::numeric_limits<double>::infinity();
+    corners[0][c] -= reach;
+    corners[1][c] += reach;
+  }
+  return corners;
+}
+
+std::array<double, 3> Obstacle::carried(const double* x, const Place& before, const Place& after) const {
+  if (radius_)
+    return along(after.point, after.radius / before.radius, from(before.point, point(x)));
+  return along(point(x), dot(direction_, from(before.point, after.point)), direction_);
 }
 
 std::array<double, 3> Obstacle::from_middle(const double* x, const Place& place) const {
   if (!radius_)
     return {};
-  Point r = from(place.point, x);
+  Point r = from(place.point, point(x));
   const double along = dot(direction_, r);
   for (std::size_t c = 0; c < 3; ++c)
     r[c] -= along * direction_[c];
@@ -149,7 +160,7 @@ Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
     for (std::size_t k = 0; k < weights.size(); ++k) {
       double sides[2];
       for (int side : {0, 1}) {
-        Point beside{x[0], x[1], x[2]};
+        Point beside = point(x);
         beside[c] += (side == 0 ? -1.0 : 1.0) * static_cast<double>(k + 1) * h;
         try {
           distance_->evaluate(beside.data(), t, &sides[side]);

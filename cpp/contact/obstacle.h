@@ -55,6 +55,18 @@ public:
   /// half-space. Signed distances count as curved.
   [[nodiscard]] bool curved() const { return !std::holds_alternative<scene::HalfSpace>(shape_); }
 
+  /// Two corners of the box that holds the surface at a place, infinite along a cylinder's axis; absent for
+  /// planes, which no box holds, and for signed distances, of which it is unknown.
+  [[nodiscard]] std::optional<std::array<std::array<double, 3>, 2>> extent(const Place& place) const;
+
+  /// Whether the surface at any time is that of another time moved and scaled, as of all but signed
+  /// distances.
+  [[nodiscard]] bool keeps_shape() const { return !distance_; }
+
+  /// Where the point `x` (3) of the surface at one place is at another one; a plane moves along its normal.
+  /// The obstacle must keep its shape.
+  [[nodiscard]] std::array<double, 3> carried(const double* x, const Place& before, const Place& after) const;
+
   /// From the centre or axis to the point `x` (3), m; zero for shapes without one.
   [[nodiscard]] std::array<double, 3> from_middle(const double* x, const Place& place) const;
 

@@ -4,7 +4,9 @@
 #include "diagnostics/warnings.h"
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
+#include "io/obstacle_surfaces.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -24,9 +26,11 @@ bool stored(const step::TimeStep& step, double end, int every, bool last) {
 MotionWriter::MotionWriter(const problem::Problem& problem, const io::OutputFolder& folder,
                            const control::Objective* objective, bool controlled,
                            const trajectory::StepErrors* errors)
-    : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
-      forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
-      step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors) {
+    : problem_(problem), folder_(folder), objective_(objective),
+      plausibility_(problem.stepper, problem.scene), forces_(problem.stepper),
+      resolution_(problem.stepper, problem.scene),
+      step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors),
+      body_(contact::Box::empty(problem.space.dim())) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
@@ -167,6 +171,8 @@ void MotionWriter::store(const Snapshot& now) {
   if (state_)
     store_fields(now, stored_.size());
   stored_.push_back(now.step.k);
+  times_.push_back(now.step.end);
+  follow_body(now.state.y());
 }
 
 void MotionWriter::put_aside(const trajectory::Frame& frame) {
@@ -189,7 +195,10 @@ void MotionWriter::insert(const Aside& peak) {
     state_->make_room(number);
     store_fields({peak.step, peak.state, peak.contact}, number);
   }
+  times_.insert(times_.begin() + (place - stored_.begin()), peak.step.end);
   stored_.insert(place, peak.step.k);
+  if (state_)
+    follow_body(peak.state.y());
 }
 
 void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
@@ -216,6 +225,28 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   });
 }
 
+void MotionWriter::follow_body(Vec y) {
+  const petsc::ReadArray u(y);
+  const auto dim = static_cast<std::size_t>(problem_.space.dim());
+  const std::vector<double>& points = problem_.space.points();
+  for (std::size_t node = 0; 3 * node < points.size(); ++node) {
+    std::array<double, 3> x{points[3 * node], points[3 * node + 1], points[3 * node + 2]};
+    for (std::size_t c = 0; c < dim; ++c)
+      x[c] += u[dim * node + c];
+    body_.include(x);
+  }
+}
+
+void MotionWriter::write_surfaces() const {
+  const contact::ContactPairs* pairs = problem_.stepper.pairs();
+  if (!pairs || !(state_ || contact_))
+    return;
+  contact::Box body = body_;
+  MPI_Allreduce(MPI_IN_PLACE, body.low.data(), 3, MPI_DOUBLE, MPI_MIN, pairs->comm());
+  MPI_Allreduce(MPI_IN_PLACE, body.high.data(), 3, MPI_DOUBLE, MPI_MAX, pairs->comm());
+  io::write_surfaces(folder_, *pairs, times_, body);
+}
+
 std::vector<Warning> MotionWriter::warnings() {
   std::vector<Warning> found = plausibility_.warnings();
   const auto add = [&](std::vector<Warning> warnings) {
@@ -240,6 +271,7 @@ void MotionWriter::finish() {
       (*file)->close();
   if (state_)
     state_->close();
+  write_surfaces();
 }
 
 void write_control(const io::OutputFolder& folder, const problem::Problem& problem,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "contact/obstacle_surface.h"
 #include "diagnostics/balance.h"
 #include "diagnostics/impact_summary.h"
 #include "diagnostics/plausibility.h"
@@ -20,7 +21,8 @@ namespace signorini::drivers {
 bool stored(const step::TimeStep& step, double end, int every, bool last);
 
 /// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
-/// scene's [output] asks, sums it up, and monitors its invariants and plausibility.
+/// scene's [output] asks, and surfaces.h5 beside them; sums the motion up, and monitors its invariants and
+/// plausibility.
 class MotionWriter {
 public:
   /// `objective` is null in a run without one; `controlled`: whether a control acts; `errors`: of the steps,
@@ -79,12 +81,16 @@ private:
   void put_aside(const trajectory::Frame& frame);
   void store(const Snapshot& now);
   void store_fields(const Snapshot& now, std::size_t number);
+  /// Extends the box of the body.
+  void follow_body(Vec y);
+  void write_surfaces() const;
   void insert(const Aside& peak);
   /// The rows of contact.csv.
   [[nodiscard]] const std::string& contact_rows(const step::TimeStep& step,
                                                 const contact::ContactState& contact);
 
   const problem::Problem& problem_;
+  const io::OutputFolder& folder_;
   const control::Objective* objective_;
   std::optional<diagnostics::Balance> balance_;
   std::optional<diagnostics::Invariants> invariants_;
@@ -99,7 +105,9 @@ private:
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
-  std::vector<int> stored_; ///< steps
+  std::vector<int> stored_;   ///< steps
+  std::vector<double> times_; ///< at which they end, s
+  contact::Box body_;         ///< holds this rank's nodes at these times
   diagnostics::LargestForce largest_force_;
   std::optional<Aside> aside_; ///< the step of the largest force, where that is not stored yet
   std::string text_;           ///< buffer of rows

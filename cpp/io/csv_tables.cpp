@@ -133,8 +133,8 @@ ContactTable::ContactTable(const contact::ContactPairs& pairs, const contact::Pr
 }
 
 std::string ContactTable::header() const {
-  return dim_ == 3 ? "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure\n"
-                   : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure\n";
+  return dim_ == 3 ? "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure,status\n"
+                   : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure,status\n";
 }
 
 void ContactTable::add_rows(std::string& text, const step::TimeStep& step,
@@ -144,8 +144,9 @@ void ContactTable::add_rows(std::string& text, const step::TimeStep& step,
   const std::string when = fmt::format("{},{:.10g}", step.k, step.end);
   auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < fixed_.size(); ++i)
-    fmt::format_to(out, "{}{},{},{}{},{}\n", when, fixed_[i].point, contact.gap[i],
-                   contact.lambda[i] / impulse, fixed_[i].surface, pressure[i]);
+    fmt::format_to(out, "{}{},{},{}{},{},{}\n", when, fixed_[i].point, contact.gap[i],
+                   contact.lambda[i] / impulse, fixed_[i].surface, pressure[i],
+                   contact::name(contact.status[i]));
 }
 
 } // namespace signorini::io

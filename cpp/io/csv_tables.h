@@ -59,7 +59,8 @@ void add_probes_row(std::string& text, int k, double time, std::span<const doubl
 
 /// contact.csv, as text: one row per stored step and candidate, with its point in the undeformed body, the
 /// name of its obstacle, the obstacle's normal there (out of the obstacle, the direction of
-/// the force on the body), area and pressure. Numbers have as many digits as tell them from all others.
+/// the force on the body), area, pressure and status. Numbers have as many digits as tell them from all
+/// others.
 class ContactTable {
 public:
   /// `pressure` must outlive this object; `contacts`: those of the scene, which have the obstacles' names.

@@ -175,17 +175,6 @@ constexpr const char *before_grids = R"xml(<?xml version="1.0"?>
 )xml",
                      *after_grids = "    </Grid>\n  </Domain>\n</Xdmf>\n";
 
-Hdf5Handle plain_layout() {
-  Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
-  H5Pset_obj_track_times(list, false); // two equal runs write equal bytes
-  return list;
-}
-
-Hdf5Handle make_group(hid_t place, const char* name) {
-  return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
-}
-
 } // namespace
 
 FieldWriter::FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
@@ -237,23 +226,14 @@ bool FieldWriter::open(std::span<const double> points, std::span<const std::int6
   const Hdf5Handle meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
                    functions = make_group(file_, "Function");
   const auto dim = static_cast<std::size_t>(space_.dim());
-  bool good =
-      mesh && functions &&
-      put(mesh, "geometry", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {layout_.nodes(), dim}, points.data()) &&
-      put(mesh, "topology", H5T_STD_I64LE, H5T_NATIVE_INT64, {layout_.cells(), dim + 1}, topology.data());
+  bool good = mesh && functions &&
+              write_whole(mesh, "geometry", {layout_.nodes(), dim}, points.data(), layout_list_) &&
+              write_whole(mesh, "topology", {layout_.cells(), dim + 1}, topology.data(), layout_list_);
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     datasets_[i].group = make_group(functions, fields_[i].name.c_str());
     good = good && datasets_[i].group;
   }
   return good;
-}
-
-bool FieldWriter::put(hid_t place, const char* name, hid_t stored, hid_t given,
-                      const std::vector<hsize_t>& shape, const void* data) const {
-  const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
-  Hdf5Handle set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout_list_, H5P_DEFAULT), H5Dclose);
-  const bool written = set && H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
-  return set.finish() && written;
 }
 
 void FieldWriter::write(const std::string& field, std::size_t number, double time, Vec values) {
@@ -270,8 +250,7 @@ void FieldWriter::write(const std::string& field, std::size_t number, double tim
   std::vector<hsize_t> shape{layout_.rows(series->values)};
   std::ranges::copy(stored_shape(series->values), std::back_inserter(shape));
   guarded([&] {
-    return put(datasets.group, numbered(number).c_str(), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, shape,
-               rows.data());
+    return write_whole(datasets.group, numbered(number).c_str(), shape, rows.data(), layout_list_);
   });
   ++datasets.written;
   times_.resize(std::max(times_.size(), number + 1));
@@ -318,7 +297,7 @@ void FieldWriter::close() {
   if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
     throw std::logic_error("the fields of a file have different times");
   guarded([&] {
-    bool good = put(file_, "times", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {times_.size()}, times_.data());
+    bool good = write_whole(file_, "times", {times_.size()}, times_.data(), layout_list_);
     for (Datasets& one : datasets_)
       good = one.group.finish() && good;
     good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;

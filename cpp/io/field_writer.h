@@ -100,9 +100,6 @@ private:
   template <class Work>
   void guarded(Work&& work);
   bool open(std::span<const double> points, std::span<const std::int64_t> topology);
-  /// Writes a dataset from data of the type `given`; false if that fails.
-  bool put(hid_t place, const char* name, hid_t stored, hid_t given, const std::vector<hsize_t>& shape,
-           const void* data) const;
   /// The XDMF text of the grid of the `number`-th time: the mesh and all fields.
   [[nodiscard]] std::string grid(std::size_t number) const;
   /// Throws OutputFailure if the disk has no room for so many times. Collective.

@@ -13,42 +13,27 @@ order; "collective" in a docstring says which calls those are. An exception that
 after its message; `-m mpi4py` does so at sys.exit() with another status than 0, too. Ctrl-C stops a sweep after the time
 step that it is at, and raises KeyboardInterrupt.
 
+What computes is loaded, and MPI started, when a name of this package is first asked for; the package signorini.post, which
+draws the results of runs, does neither.
+
 Threads may share an object: computations wait for each other. On several ranks one thread makes all collective calls.
 """
 
-import atexit
+from typing import TYPE_CHECKING
 
-from . import _signorini
-
-_signorini.require_temporary_folder()  # before MPI starts, which would crash
-try:
-    from mpi4py import MPI as _MPI  # starts MPI, and ends it after PETSc
-except ImportError:  # then the module does both
-    _MPI = None
-
-_signorini.start()
-atexit.register(_signorini.leave)
-
-SceneError = _signorini.SceneError
-SolverFailure = _signorini.SolverFailure
-for _error in (SceneError, SolverFailure):
-    _error.__module__ = __name__
-SceneError.__doc__ = "The scene, the mesh, an override or a folder is wrong: what, where, what was found, what is allowed."
-SolverFailure.__doc__ = "A solver failed: at which step, why, with which residual."
-
-from .fit import Fit  # noqa: E402
-from .problem import Metric, Problem, Replicated  # noqa: E402
-from .run import Field, Run, read  # noqa: E402
-from .scene import Scene  # noqa: E402
-from .world import RANK as rank  # noqa: E402, N811
-from .world import RANKS as ranks  # noqa: E402, N811
-from .world import end_all_at_exceptions as _end_all_at_exceptions  # noqa: E402
-
-_end_all_at_exceptions()
+if TYPE_CHECKING:
+    from .program import *  # noqa: F403
 
 __all__ = ["Field", "Fit", "Metric", "Problem", "Replicated", "Run", "Scene", "SceneError", "SolverFailure", "rank", "ranks", "read", "versions"]
 
 
-def versions() -> str:
-    """Those of signorini and of its main libraries."""
-    return _signorini.versions()
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module 'signorini' has no attribute {name!r}")
+    from . import program  # noqa: PLC0415
+
+    return getattr(program, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run left in its folder: tables, fields, its page. The files are read as postprocess/ reads them, when asked for."""
+"""What a run left in its folder: tables, fields, its page. The files are read as signorini.post reads them, when asked for."""
 
 from __future__ import annotations
 
 import contextlib
 import html
-import importlib
 import io
 import os
 import subprocess
@@ -13,38 +12,19 @@ import sys
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _signorini
+from .post import files as _files
+from .post import run_folder as _run_folder
 from .world import RANK, from_root
 
 if TYPE_CHECKING:
     import pandas
 
     Table = pandas.DataFrame | np.ndarray
-
-POSTPROCESS = Path(__file__).parent / "postprocess"
-
-
-def postprocess(name: str) -> ModuleType:
-    """A module of postprocess/. Those are scripts beside each other, named as any user's may be: elsewhere none is seen."""
-    own = {file.stem for file in POSTPROCESS.glob("*.py")}
-    theirs = {module: sys.modules.pop(module) for module in own & sys.modules.keys()}
-    sys.modules.update(_modules)
-    sys.path.insert(0, str(POSTPROCESS))
-    try:
-        return importlib.import_module(name)
-    finally:
-        sys.path.remove(str(POSTPROCESS))
-        _modules.update({module: sys.modules.pop(module) for module in own & sys.modules.keys()})
-        sys.modules.update(theirs)
-
-
-_modules: dict[str, ModuleType] = {}
-_files, _run_folder = postprocess("files"), postprocess("run_folder")
 
 
 def read(folder: str | os.PathLike) -> Run:
@@ -75,7 +55,7 @@ class Run:
 
     @contextlib.contextmanager
     def _told(self) -> Iterator[None]:
-        """The sentences of postprocess/ as the package's errors. Raises SceneError where what was read is another run's."""
+        """The sentences of signorini.post as the package's errors. Raises SceneError where what was read is another run's."""
         try:
             yield
         except (_files.NotInRun, _files.Unreadable) as error:
@@ -195,7 +175,7 @@ class Run:
         with self._told():
             page, failure = self.folder / "report.html", None
         if RANK == 0 and not page.is_file():
-            made = subprocess.run([sys.executable, POSTPROCESS / "report.py", self.folder], capture_output=True, text=True)
+            made = subprocess.run([sys.executable, Path(_files.__file__).with_name("report.py"), self.folder], capture_output=True, text=True)
             failure = made.stderr.strip() if made.returncode else None
         if failure := from_root(failure):
             raise _signorini.SceneError(failure)

@@ -213,6 +213,7 @@ def alone() -> None:
 
 OPTIONS = """
 import ctypes, sys, signorini
+signorini.rank  # starts MPI and PETSc
 name = ctypes.create_string_buffer({name!r}.encode())
 petsc = ctypes.CDLL({petsc!r})
 found = ctypes.c_int(0)

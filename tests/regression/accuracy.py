@@ -17,7 +17,7 @@ import numpy as np  # noqa: E402
 
 BLOCK = SOURCE / "tests" / "data" / "block.toml"
 DROP = SOURCE / "scenes" / "disc-drop.toml"
-FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "state.xdmf", "state.h5",
+FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "state.xdmf", "state.h5",
          "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5", "indicators.csv"}  # fmt: skip
 
 

@@ -14,9 +14,10 @@ import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
-import control_magnitude  # noqa: E402
-from run_folder import RunFolder  # noqa: E402
-from view import view_of  # noqa: E402
+import as_package  # noqa: E402, F401
+from signorini.post import control_magnitude  # noqa: E402
+from signorini.post.run_folder import RunFolder  # noqa: E402
+from signorini.post.view import view_of  # noqa: E402
 
 SCRIPT = SOURCE / "postprocess" / "figures.py"
 SIMULATE = {"contact_force.png", "contact_force_history.png", "contact_pressure.png", "energy.png", "animation.gif"}

@@ -14,16 +14,18 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
+import as_package  # noqa: E402, F401
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
-import report_compare  # noqa: E402
-import report_motion  # noqa: E402
-import scenery  # noqa: E402
-import style  # noqa: E402
-import surfaces  # noqa: E402
-from mesh import Mesh, Series  # noqa: E402
-from obstacles import normals, read_obstacles  # noqa: E402
-from report_fields import nodal  # noqa: E402
+from signorini.post import report_compare  # noqa: E402
+from signorini.post import report_motion  # noqa: E402
+from signorini.post import scenery  # noqa: E402
+from signorini.post import style  # noqa: E402
+from signorini.post import surfaces  # noqa: E402
+from signorini.post.boundary import arc_of  # noqa: E402
+from signorini.post.mesh import Mesh, Series  # noqa: E402
+from signorini.post.obstacles import Obstacle  # noqa: E402
+from signorini.post.report_fields import nodal  # noqa: E402
 
 ROUNDING = 1e-12
 RNG = np.random.default_rng(1)
@@ -36,8 +38,32 @@ def near(what: str, found: object, expected: object, relative: float = ROUNDING)
     assert off <= relative * np.max([1.0, np.max(np.abs(expected), initial=0)]), (what, off, found, expected)
 
 
-def shape(size: float = 2.0, **obstacle: object) -> object:
-    return read_obstacles({"contact": {"obstacle": obstacle}}, size)[0].shape
+def obstacle(points: np.ndarray, facets: np.ndarray, **more: object) -> Obstacle:
+    """One that is still, with a candidate on the surface."""
+    dim = points.shape[1]
+    given = {"name": "obstacle", "flat": False, "whole": False, "gap": np.zeros(1), "normal": np.eye(dim)[-1:], "times": np.linspace(0, 1, 5)}
+    return Obstacle(**given | more, points=np.asarray(points, float), facets=np.asarray(facets))
+
+
+def circle(middle: list[float], radius: float, count: int = 400, inside: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Its points and segments, with the obstacle to the right; `inside`: the body."""
+    angle = np.linspace(0, -2 * np.pi, count, endpoint=False) * (-1 if inside else 1)
+    points = np.array(middle) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    return points, np.column_stack([np.arange(count), np.roll(np.arange(count), -1)])
+
+
+def grid(sides: list[float], counts: list[int]) -> np.ndarray:
+    """Points of a box from the origin on, the last coordinate changing first."""
+    axes = [np.linspace(0, side, count) for side, count in zip(sides, counts)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(sides))
+
+
+def box_of(sides: list[float], counts: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a box in space and tetrahedra that fill it."""
+    number, (ni, nj, nk) = np.arange(np.prod(counts)).reshape(counts), [count - 1 for count in counts]
+    corners = [number[i : i + ni, j : j + nj, k : k + nk].ravel() for i, j, k in itertools.product((0, 1), repeat=3)]
+    cells = [np.stack([corners[0], corners[one], corners[one | two], corners[7]], axis=1) for one, two in itertools.permutations((1, 2, 4), 2)]
+    return grid(sides, counts), np.concatenate(cells)
 
 
 def area(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -47,69 +73,10 @@ def area(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
 
 
-def half_spaces() -> None:
-    for dim in (2, 3):
-        x, normal, start = RNG.normal(size=(5, dim)), np.array([0.3, -2, 1.0][:dim]), np.array([0.1, 0.2, -0.4][:dim])
-        unit, way = normal / np.linalg.norm(normal), np.array([2.0, 1, 0.5][:dim])
-        flat = shape(shape="half-space", point=[f"{a} + {b}*t" for a, b in zip(start, way)], normal=list(normal))
-        near("heights above a plane", flat.height(x, 0.5), (x - start - way / 2) @ unit)
-        near("how far it has come", flat.travel(0.5), unit * (way @ unit) / 2)
-        shift = np.full(dim, 0.25)
-        near("drawn elsewhere, and three times as far", flat.drawn(3.0, shift).height(x, 0.5), (x - start - shift - 1.5 * way) @ unit)
-        assert flat.moves and flat.rigid and flat.extent(0.5) is None
-        assert not shape(shape="half-space", point=[0] * dim, normal=list(normal)).moves
-        # As far as the box reaches: a strip below the line, in space a rectangle.
-        box = np.array([[-1.0, -2, -3], [2, 1, 4]])[:, :dim]
-        points, triangles = surfaces.seen_of(flat, 0.5, box, 0.7, True)
-        corners = np.array(list(itertools.product(*box.T)))
-        along = [np.array([unit[1], -unit[0]])] if dim == 2 else surfaces.plane_axes(unit)
-        near("axes along a plane", np.array(along) @ np.array([*along, unit]).T, np.eye(dim)[: dim - 1])
-        for axis in along:
-            near("as far as the box", [np.min(points @ axis), np.max(points @ axis)], [np.min(corners @ axis), np.max(corners @ axis)])
-        heights = flat.height(points, 0.5)
-        near("on the surface", [np.min(heights), np.max(heights)], [-0.7, 0] if dim == 2 else [0, 0])
-        sides = [np.ptp(points @ axis) for axis in along]
-        near("its area", np.sum(area(points, triangles)), sides[0] * (0.7 if dim == 2 else sides[1]))
-
-
-def balls_and_cylinders() -> None:
-    x = RNG.normal(size=(6, 3))
-    axis = np.array([1.0, 2, -2]) / 3
-    for side, sign in (("outside", 1), ("inside", -1)):
-        for dim in (2, 3):
-            centre = np.array([0.2, 0.3, -0.1][:dim])
-            ball = shape(shape="ball", center=[0.2, "0.1 + 0.4*t", -0.1][:dim], radius="0.4 + 0.2*t", side=side)
-            near("heights of a ball", ball.height(x[:, :dim], 0.5), sign * (np.linalg.norm(x[:, :dim] - centre, axis=1) - 0.5))
-            near("how far it has come", ball.travel(0.5), [0, 0.2, 0][:dim])
-            near("the box around it", ball.extent(0.5), [centre - 0.5, centre + 0.5])
-            drawn = ball.drawn(2.0, np.full(dim, 0.1))  # changes twice as large
-            near("drawn elsewhere", drawn.height(x[:, :dim], 0.5),
-                 sign * (np.linalg.norm(x[:, :dim] - [0.3, 0.6, 0.0][:dim], axis=1) - 0.6))  # fmt: skip
-            assert ball.moves and not ball.rigid
-        rod = shape(shape="cylinder", point=["t", 0.1, 0], axis=[1, 2, -2], radius=0.5, side=side)
-        apart = x - [0.25, 0.1, 0]
-        near("heights of a cylinder", rod.height(x, 0.25), sign * (np.linalg.norm(apart - np.outer(apart @ axis, axis), axis=1) - 0.5))
-        assert rod.moves and rod.rigid and np.all(np.isinf(rod.extent(0.25)))
-        straight = shape(shape="cylinder", point=[1, 2, 3], axis=[0, 0, 2], radius=0.5, side=side)
-        near("the box around a straight one", straight.extent(0.0)[:, :2], [[0.5, 1.5], [1.5, 2.5]])
-        assert not straight.moves and list(straight.extent(0.0)[:, 2]) == [-np.inf, np.inf]
-
-
-def level_sets() -> None:
-    x = RNG.normal(size=(6, 2)) + 3
-    curve = shape(shape="signed-distance", distance="3*(x^2 + y^2 - (1 + t)^2)")
-    at = lambda time: ((x**2).sum(axis=1) - (1 + time) ** 2) / (2 * np.linalg.norm(x, axis=1))  # noqa: E731 (of the tangent plane)
-    near("heights of a level set", curve.height(x, 0.5), at(0.5), 1e-8)
-    near("drawn with twice the change", curve.drawn(2.0, 0.0).height(x, 0.5), 2 * at(0.5) - at(0.0), 1e-8)
-    near("normals", normals(curve, x, 0.5, 1e-4), x / np.linalg.norm(x, axis=1, keepdims=True), 1e-6)  # differences of differences
-    assert curve.moves and curve.extent(0.0) is None and not curve.rigid
-
-
 def level_surfaces() -> None:
     """Zeros of linear functions are planes; those of the distance to a point a sphere, which is seen from outside."""
-    axes, points = surfaces.grid(np.array([0.0, 0, 0]), np.array([1.0, 0.5, 0.25]), 8)
-    assert [len(axis) for axis in axes] == [9, 5, 3] and len(points) == 135
-    cells = surfaces.tetrahedra((9, 5, 3))
+    points, cells = box_of([1.0, 0.5, 0.25], [9, 5, 3])
+    assert len(points) == 135
     a, b, c, d = np.moveaxis(points[cells], 1, 0)
     near("the box is filled", np.sum(np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))) / 6, 1 / 8)
     for direction, expected in (([0.0, 0, 1], 0.5), ([1.0, 1, 0], 0.25 * np.sqrt(0.5)), ([0.0, 1, 2], np.sqrt(5) / 4)):  # sections of the box
@@ -124,47 +91,60 @@ def level_surfaces() -> None:
             assert np.min(way * np.cross(q - p, r - p) @ direction) >= 0
     middle[np.argmax(points @ [1, 1, 1])] = np.nan
     assert len(surfaces.zeros(cells, middle)[2]) <= len(faces), "a value that is unknown makes no surface"
-    centre, box = np.array([0.1, 0.2, -0.3]), np.array([[-2.0, -2, -2], [2, 2, 2]])
-    for side, sign in (("outside", 1), ("inside", -1)):
-        ball = shape(shape="ball", center=list(centre), radius=0.5, side=side)
-        for changes, cells_across in ((False, 40), (True, 16)):
-            surface, faces = surfaces.seen_of(ball, 0.0, box, 0.0, changes)
-            width = 1.1 / cells_across  # of the box around the ball alone
-            assert np.max(np.abs(np.linalg.norm(surface - centre, axis=1) - 0.5)) < 3 / 4 * width**2  # along a cell's diagonal
-            near("area of a sphere", np.sum(area(surface, faces)), np.pi, 4 * width**2)
-            p, q, r = np.moveaxis(surface[faces] - centre, 1, 0)
-            assert np.min(sign * np.einsum("ij,ij->i", np.cross(q - p, r - p), p + q + r)) > -1e-12, "seen from within"
-        half = surfaces.seen_of(ball, 0.0, np.array([centre, centre + 2]), 0.0, False)
-        near("an eighth of it", np.sum(area(*half)), np.pi / 8, 0.01)
-    assert len(surfaces.seen_of(ball, 0.0, box + 5, 0.0, False)[1]) == 0, "out of sight"
 
 
 def bands() -> None:
-    """In the plane a strip below the curve: all of a disc that the picture holds."""
-    box = np.array([[-1.0, -1], [1, 1]])
-    for changes, cells in ((False, 160), (True, 80)):
-        fine = 2 * (2 / cells) ** 2
-        small = shape(shape="ball", center=[0.1, 0.2], radius=0.5)
-        near("a disc", np.sum(area(*surfaces.seen_of(small, 0.0, box, 0.1, changes))), np.pi / 4, 20 * fine)
-        large = shape(shape="ball", center=[0.0, -5], radius=4.5)
-        points, triangles = surfaces.seen_of(large, 0.0, box, 0.1, changes)
-        heights = large.height(points, 0.0)
-        near("below the curve", [np.min(heights), np.max(heights)], [-0.1, 0], 2 * fine)
-        angle = 2 * np.arcsin(1 / 4.5)
-        near("a strip", np.sum(area(points, triangles)), angle * (4.5**2 - 4.4**2) / 2, 0.01)
-        hole = shape(shape="ball", center=[0.1, 0.2], radius=0.5, side="inside")
-        near("around a hole", np.sum(area(*surfaces.seen_of(hole, 0.0, box, 0.1, changes))), np.pi * (0.6**2 - 0.5**2), 20 * fine)
-        wave = shape(shape="signed-distance", distance="y - 0.5*x")
-        points, triangles = surfaces.seen_of(wave, 0.0, box, 0.2, changes)
-        near("below a line", np.sum(area(points, triangles)), 0.2 * np.sqrt(5), 1e-6)
-        assert np.min(wave.height(points, 0.0)) > -0.2 - 1e-9
-    away = shape(shape="signed-distance", distance="y - 5")
-    assert len(surfaces.seen_of(away, 0.0, box, 0.2, False)[1]) == 0
+    """In the plane a strip below the curve; all of a disc."""
+    line = np.array([[-1.0, -0.5], [1, 0.5]])
+    points, triangles = surfaces.seen_of(obstacle(line, [[0, 1]]), 0.0, 0.2)
+    near("below a line", np.sum(area(points, triangles)), 0.2 * np.sqrt(5))
+    near("as deep as that", np.min((points - line[0]) @ [-0.5, 1]) / np.hypot(0.5, 1), -0.2)
+    disc = obstacle(*circle([0.1, 0.2], 0.5), whole=True)
+    polygon = 200 * np.sin(2 * np.pi / 400)  # of radius 1
+    near("a disc", np.sum(area(*surfaces.seen_of(disc, 0.0, 0.1))), polygon * 0.25)
+    rim = obstacle(*circle([0.1, 0.2], 0.5))
+    near("of a part of a disc a strip", np.sum(area(*surfaces.seen_of(rim, 0.0, 0.1))), polygon * (0.5**2 - 0.4**2), 1e-3)
+    hole = obstacle(*circle([0.1, 0.2], 0.5, inside=True), whole=True)
+    near("around a hole", np.sum(area(*surfaces.seen_of(hole, 0.0, 0.1))), polygon * (0.6**2 - 0.5**2), 1e-3)
+    assert len(surfaces.seen_of(obstacle(np.empty((0, 2)), np.empty((0, 2), int)), 0.0, 0.2)[1]) == 0
+
+
+def places_along_boundaries() -> None:
+    """Arc length along a square's boundary, whose parts end where a node lies between that is no candidate; middles of edges count."""
+    points, number = grid([1.0, 1], [5, 5]), np.arange(25).reshape(5, 5)
+    corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+    cells = np.stack([part.ravel() for part in corners], axis=1)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    mesh = Mesh(points, cells)
+    (loop,) = mesh.loops()
+    assert loop[0] == loop[-1] and len(set(loop)) == 16 and set(loop) == set(mesh.boundary_nodes())
+    bottom = np.array([[0.5, 0], [0, 0], [1, 0], [0.25, 0], [0.75, 0], [0.375, 0]])
+    arc = arc_of(mesh, bottom, 0)
+    near("in order", bottom[arc.order, 0], [0, 0.25, 0.375, 0.5, 0.75, 1])
+    near("from the one that is pushed", arc.position, [-0.5, -0.25, -0.125, 0, 0.25, 0.5])
+    assert not arc.part.any() and list(arc.rows()[arc.order]) == [0, 1, 2, 3, 4, 5] and len(arc.edges()) == 7
+    both = np.concatenate([bottom, bottom + [0, 1]])
+    arc = arc_of(mesh, both, 2)
+    assert sorted(set(arc.part)) == [0, 1] and len(set(arc.rows())) == 12 and set(range(13)) - set(arc.rows()) == {6}
+    near("each part is as long as its side", [np.ptp(arc.position[arc.part == part]) for part in (0, 1)], [1, 1])
+    near("and far from the other", np.min(np.abs(arc.position[arc.part == 0][:, None] - arc.position[arc.part == 1])), 0.3 * 2)
+    corner = np.array([[0, 0], [0.25, 0], [0, 0.25], [0.75, 0]])
+    arc = arc_of(mesh, corner, 0)
+    assert sorted(np.bincount(arc.part)) == [1, 3], "the corner is one part, and the node between is none of them"
+    everyone = points[mesh.boundary_nodes()]
+    arc = arc_of(mesh, everyone, 3)
+    assert not arc.part.any() and list(arc.order).index(3) in (7, 8), "a closed boundary is opened opposite the contact"
+    near("all around", np.diff(arc.position), np.full(15, 0.25))
+    ring = np.concatenate([circle([0, 0], 1, 20)[0], circle([0, 0], 0.5, 20)[0]])
+    after = np.roll(np.arange(20), -1)
+    cells = np.concatenate([np.stack([np.arange(20), after, np.arange(20) + 20], axis=1), np.stack([after, after + 20, np.arange(20) + 20], axis=1)])
+    assert sorted(map(len, Mesh(ring, cells).loops())) == [21, 21]
+    arc = arc_of(Mesh(ring, cells), ring, 5)
+    assert np.bincount(arc.part).tolist() == [20, 20], "a hole has a boundary of its own"
 
 
 def bodies(folder: Path) -> None:
     """Boundary and size of a rectangle and a box, and values of cells at nodes."""
-    axes, points = surfaces.grid(np.array([0.0, 0]), np.array([3.0, 2]), 3)
+    points = grid([3.0, 2], [4, 3])
     number = np.arange(12).reshape(4, 3)
     low = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
     cells = np.stack([part.ravel() for part in low], axis=1)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
@@ -173,8 +153,8 @@ def bodies(folder: Path) -> None:
     near("length of the boundary", np.sum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)), 10)
     assert np.array_equal(edges, flat.outline()) and all(set(edge) <= set(cells[cell]) for edge, cell in zip(edges.tolist(), of))
     assert list(flat.boundary_nodes()) == [n for n in range(12) if n not in (4, 7)] and flat.size == 3
-    axes, inside = surfaces.grid(np.array([0.0, 0, 0]), np.array([2.0, 2, 4]), 4)
-    solid = Mesh(inside, surfaces.tetrahedra(tuple(len(axis) for axis in axes)))
+    inside, cells = box_of([2.0, 2, 4], [3, 3, 5])
+    solid = Mesh(inside, cells)
     faces, of = solid.facets()
     near("surface", np.sum(area(inside, faces)), 40)
     p, q, r = np.moveaxis(inside[faces], 1, 0)
@@ -245,41 +225,53 @@ def beside_the_body() -> None:
     times, size = np.linspace(0, 1, 5), 2.0
     position = np.tile(np.array([[0.0, 0], [2, 0], [2, 1]]), (5, 1, 1))
 
-    def seen(**obstacle: object) -> tuple[object, np.ndarray]:
-        found, box = scenery.scenery(read_obstacles({"contact": {"obstacle": obstacle}}, size), times, position, size)
+    def seen(one: Obstacle) -> tuple[object, np.ndarray]:
+        found, box = scenery.scenery([one], times, position, size)
         assert len(found) == 1
         return found[0], box
 
     slot = np.array([[0.0, 0], [2, 1]]) + scenery.MARGIN * size * np.array([[-1], [1]])
-    still, box = seen(shape="half-space", point=[0, -0.5], normal=[0, 1])
+    line = np.array([[-5.0, -0.5], [9, -0.5]]), [[0, 1]]
+    still, box = seen(obstacle(*line, flat=True))
     near("the body and a margin", box, slot)
     assert len(still.shapes) == 1 and list(still.shape) == [0] * 5 and not still.offset.any()
     assert report_motion.packed_scenery(still, 5)["offset"] is None
-    rising, _ = seen(shape="half-space", point=["t", "t - 1"], normal=[0, 2])
+    way = np.stack([np.zeros(5), times - 0.5], axis=1)
+    rising, _ = seen(obstacle(*line, flat=True, displacement=np.tile(way[:, None], (1, 2, 1))))
     where = [points + rising.offset[i] for i, (points, _) in ((i, rising.shapes[rising.shape[i]]) for i in range(5))]
     near("where it is in each frame", [points[:, 1].max() for points in where], times - 1)
     assert report_motion.packed_scenery(rising, 5)["offset"] is not None, "it moves along one axis alone"
-    growing, box = seen(shape="ball", center=[1, -0.6], radius="0.5 + 0.25*t")
+    points, segments = circle([1, -0.6], 0.5)
+    growth = 0.5 * times[:, None, None] * (points - [1, -0.6])
+    growing, box = seen(obstacle(points, segments, whole=True, displacement=growth))
     assert len(growing.shapes) == 5 and list(growing.shape) == [0, 1, 2, 3, 4] and not growing.offset.any()
     near("its size in each frame", [np.ptp(points[:, 0]) for points, _ in growing.shapes], 1 + times / 2, 0.01)
     near("all of it is in the picture", box[0, 1], -1.35 - scenery.BAND * size)
-    assert scenery.scenery(read_obstacles({"contact": {"obstacle": {"shape": "ball", "center": [1, 9], "radius": 1}}}, size), times, position, size)[0] == []
+    assert scenery.scenery([obstacle(*circle([1, 9], 1), whole=True)], times, position, size)[0] == []
+    # One with another surface at each time: its points are drawn where their motion, enlarged, takes them.
+    first = {"first_point": np.array([0, 2, 5, 7, 9, 11]), "first_facet": np.array([0, 1, 3, 4, 5, 6])}
+    line = np.column_stack([np.arange(11.0), np.zeros(11)])
+    facets = [[0, 1], [0, 1], [1, 2], [0, 1], [0, 1], [0, 1]]
+    changing = obstacle(line, facets, displacement=np.column_stack([np.zeros(11), np.repeat(times, np.diff(first["first_point"]))]), **first)
+    points, segments = changing.drawn(3.0, np.array([0, 10.0])).at(0.25)
+    near("of its time alone", points, [[2, 10.75], [3, 10.75], [4, 10.75]])
+    assert segments.tolist() == [[0, 1], [1, 2]] and changing.moves and not changing.rigid
     # Of the candidates those that ever touch tell how near it is.
-    force, points = np.array([[0.0, 1, 0], [0, 0, 0], [0, 1, 2]]), np.array([[0.0, 0], [1, 0], [2, 0]])
-    for pushes, expected in ((force, points[1:]), (0 * force, points)):
-        contact = SimpleNamespace(of=lambda obstacle, pushes=pushes: SimpleNamespace(force=pushes, points=points))
-        near("candidates that touch", scenery.candidates(SimpleNamespace(has_contact_table=True, contact=contact), 0, None), expected)
-    near("no table", scenery.candidates(SimpleNamespace(has_contact_table=False), 0, Mesh(points, points)), points)
+    force = np.array([[0.0, 1, 0], [0, 0, 0], [0, 1, 2]])
+    three = obstacle(*circle([0, 0], 1), gap=np.array([0.1, 0.3, 0.2]), normal=np.array([[0.0, 1], [1, 0], [0.6, 0.8]]))
+    for pushes, nearest in ((force, 2), (0 * force, 0), (None, 0)):
+        contact = SimpleNamespace(of=lambda number, pushes=pushes: SimpleNamespace(force=pushes))
+        run = SimpleNamespace(has_contact_table=pushes is not None, contact=contact, obstacles=[three])
+        (drawn,) = scenery.drawn_obstacles(run, 5.0)
+        near("its gap is enlarged", drawn.shift, -4 * three.gap[nearest] * three.normal[nearest])
 
 
 def main() -> int:
     beside_the_body()
     side_by_side()
     pictures()
-    half_spaces()
-    balls_and_cylinders()
-    level_sets()
     level_surfaces()
+    places_along_boundaries()
     bands()
     with tempfile.TemporaryDirectory() as name:
         bodies(Path(name))

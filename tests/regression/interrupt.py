@@ -17,7 +17,7 @@ from harness import HALF_DISC, SIGNORINI, SOURCE, grids, signorini, table  # noq
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
-OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "state.xdmf", "state.h5",
+OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "state.xdmf", "state.h5",
                   "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5"}  # fmt: skip
 SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "checkpoint.h5", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}
 

@@ -21,9 +21,9 @@ import numpy as np  # noqa: E402
 STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
          "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations,momentum_residual,complementarity")  # fmt: skip
 LAST = ",normal_force,load_work"
-CONTACT = "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure"
+CONTACT = "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure,status"
 STEPS_IN_SPACE = STEPS.replace("contact_force_y,", "contact_force_y,contact_force_z,")
-CONTACT_IN_SPACE = "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure"
+CONTACT_IN_SPACE = "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure,status"
 HISTORY = ("iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,adjoint_sweeps,"
            "seconds,relative_distance_to_reference")  # fmt: skip
 
@@ -224,12 +224,12 @@ def only_what_is_asked_for(folder: Path) -> None:
     always, out = {"scene.toml", "run.json"}, folder / "part"
     for verb, fields, tables, files in (
         ("simulate", [], [], set()),
-        ("simulate", ["velocity", "control"], ["contact", "history"], {"state.xdmf", "state.h5", "contact.csv"}),
+        ("simulate", ["velocity", "control"], ["contact", "history"], {"state.xdmf", "state.h5", "contact.csv", "surfaces.h5"}),
         ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv", "checkpoint.h5"}),
         ("optimize", ["adjoint", "displacement"], ["steps"],
-         {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "steps.csv", "checkpoint.h5"}),
-        ("optimize", ["stress", "von_mises", "strain", "pressure"], [], {"state.xdmf", "state.h5", "checkpoint.h5"}),
-        ("simulate", ["pressure"], [], {"state.xdmf", "state.h5", "checkpoint.h5"}),  # the search's, which stays
+         {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "surfaces.h5", "steps.csv", "checkpoint.h5"}),
+        ("optimize", ["stress", "von_mises", "strain", "pressure"], [], {"state.xdmf", "state.h5", "surfaces.h5", "checkpoint.h5"}),
+        ("simulate", ["pressure"], [], {"state.xdmf", "state.h5", "surfaces.h5", "checkpoint.h5"}),  # the search's, which stays
     ):  # fmt: skip
         signorini(verb, HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__fields=fields, output__tables=tables)
         assert {path.name for path in out.iterdir()} == always | files, f"{verb} {fields} {tables}: {list(out.iterdir())}"

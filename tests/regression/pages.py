@@ -13,9 +13,10 @@ from harness import SOURCE, signorini, stored, table  # noqa: E402
 from soft_scenes import ON_A_BALL, soft  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
+import as_package  # noqa: E402, F401
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
-from run_folder import RunFolder  # noqa: E402
+from signorini.post.run_folder import RunFolder  # noqa: E402
 
 from selenium.webdriver import Chrome  # noqa: E402
 from selenium.webdriver.support.select import Select  # noqa: E402

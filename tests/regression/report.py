@@ -20,8 +20,9 @@ from browser import BODY, Reader, browser, make, page_of  # noqa: E402
 from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
-from run_folder import RunFolder, Unreadable  # noqa: E402
-from study_folder import StudyFolder  # noqa: E402
+import as_package  # noqa: E402, F401
+from signorini.post.run_folder import RunFolder, Unreadable  # noqa: E402
+from signorini.post.study_folder import StudyFolder  # noqa: E402
 
 from selenium.webdriver import Chrome, Keys  # noqa: E402
 from selenium.webdriver.support.select import Select  # noqa: E402

@@ -597,7 +597,6 @@ def main() -> int:
         for pair in (runs[:2], runs[3:5]):
             drawn.comparison(*pair)
         drawn.enlargements()
-        drawn.fitted_obstacles()
         a_single_step(folder)
         costs()
         study(folder)

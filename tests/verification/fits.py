@@ -11,8 +11,10 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -252,7 +254,6 @@ def error(name: str, value: float) -> float:
 
 def recovery(folder: Path) -> None:
     """Without noise the parameters come back to 1e-6, on one rank and on two; from the data at hand, within their deviations."""
-    drawn_where_found(folder)
     for name in MADE:
         file = SOURCE / "scenes" / f"{name}.toml"
         captured_run(file, folder, data_in(folder, name))
@@ -260,6 +261,8 @@ def recovery(folder: Path) -> None:
             out = folder / f"{name}-{ranks}"
             done = signorini("optimize", file, out, ranks, **data_in(folder, name))
             found = fitted(out)
+            if name == "find-the-wall":
+                drawn_where_found(out)
             worst = np.max([error(key, value) for key, (value, _) in found.items()])
             iterations = len(table(out / "history.csv")["iteration"]) - 1
             print(f"{name}, {ranks} ranks: {iterations} iterations, worst error {worst:.1e}")
@@ -294,20 +297,17 @@ def shown_meanwhile(file: Path, out: Path, overrides: dict) -> None:
     assert process.wait(300) == 0 and seen >= 2 and unfinished, seen
 
 
-def drawn_where_found(folder: Path) -> None:
-    """Pages and films show obstacles where the fit found them."""
-    sys.path.insert(0, str(SOURCE / "postprocess"))
-    from obstacles import with_fitted_obstacles  # noqa: PLC0415
-
-    planes = [{"of": "angle"}, {"of": "position"}]
-    given = {"contact": {"obstacle": {"shape": "half-space", "point": [1.0, "2*t"], "normal": [0.0, 2.0]}}, "unknown": planes}
-    found = with_fitted_obstacles(given, [np.pi / 6, 0.5])["contact"]["obstacle"]
-    assert found["point"] == [1.0, "(2*t) + (0.5)"] and np.allclose(found["normal"], [-0.5, np.sqrt(0.75)], rtol=1e-12, atol=0)
-    balls = [{"of": "radius", "obstacle": "b"}, {"of": "center", "component": "y", "obstacle": "b"}]
-    ball = {"shape": "ball", "name": "b", "center": [0, 0], "radius": 1}
-    given = {"contact": [{"obstacle": ball | {"name": "a"}}, {"obstacle": ball}], "unknown": balls}
-    found = with_fitted_obstacles(given, [2.0, 3.0])["contact"]
-    assert found[0]["obstacle"]["radius"] == 1 and found[1]["obstacle"] == ball | {"center": [0, 3.0], "radius": 2.0}
+def drawn_where_found(out: Path) -> None:
+    """The surface that pages and films show is that of the plane where the fit found it: shifted along its normal, then turned."""
+    found, run = fitted(out), tomllib.loads((out / "scene.toml").read_text())
+    given = run["contact"]["obstacle"]
+    normal = np.array(given["normal"]) / np.linalg.norm(given["normal"])
+    c, s = np.cos(found["angle"][0]), np.sin(found["angle"][0])
+    with h5py.File(out / "surfaces.h5") as file:
+        points = file["1/points"][()]
+        assert np.abs(file["1/normal"][()] - [c * normal[0] - s * normal[1], s * normal[0] + c * normal[1]]).max() < 1e-12
+    off = (points - np.array(given["point"]) - found["height"][0] * normal) @ [c * normal[0] - s * normal[1], s * normal[0] + c * normal[1]]
+    assert len(points) == 2 and np.abs(off).max() < 1e-12, off
 
 
 def exact(folder: Path) -> None:
@@ -469,8 +469,9 @@ def close(what: str, found: object, expected: object, relative: float) -> None:
 def page_of_fit(out: Path, covariance: np.ndarray, solution: np.ndarray, residuals: np.ndarray, t: np.ndarray) -> None:
     """Ellipses, residuals and the table of unknowns on a fit's page, by what its charts draw."""
     sys.path.insert(0, str(SOURCE / "postprocess"))
-    import report_fit  # noqa: PLC0415
-    from run_folder import RunFolder  # noqa: PLC0415
+    import as_package  # noqa: F401, PLC0415
+    from signorini.post import report_fit  # noqa: PLC0415
+    from signorini.post.run_folder import RunFolder  # noqa: PLC0415
 
     def drawn(values: dict) -> np.ndarray:
         return np.frombuffer(base64.b64decode(values["bdata"]), "<f4").astype(float)

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "contact/obstacle.h"
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace signorini::contact {
+
+/// A box along the axes, by two corners, m. In the plane the third components are zero.
+struct Box {
+  std::array<double, 3> low{}, high{};
+
+  /// That holds nothing yet.
+  [[nodiscard]] static Box empty(int dim);
+  [[nodiscard]] double longest_side() const;
+  /// Extends the box to hold a point, or `other`.
+  void include(const std::array<double, 3>& x);
+  void include(const Box& other);
+};
+
+/// A part of an obstacle's surface: line segments in the plane, with the obstacle to their right; triangles
+/// in space, counterclockwise as seen from outside of the obstacle.
+struct ObstacleSurface {
+  std::vector<double> points;       ///< (n × dim), m
+  std::vector<std::int64_t> facets; ///< (facets × dim), numbers of points
+  bool whole = false;               ///< whether no part of the surface was left out
+};
+
+/// The surface at `place` within a box. A ball or cylinder that is not much larger than the box is taken
+/// whole, the latter up to the ends of the box; `cells` along the longest side resolve what is curved.
+ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
+                               const Box& box, int cells);
+
+} // namespace signorini::contact
