@@ -11,7 +11,7 @@ namespace signorini::drivers::resume {
 namespace {
 
 /// The version of the layout of checkpoint.h5.
-constexpr int format = 8;
+constexpr int format = 9;
 
 } // namespace
 

@@ -175,7 +175,7 @@ SearchEnd fitted(const SearchSubject& subject, SearchLog& log) {
   try {
     optimize::GaussNewtonResult found = optimize::gauss_newton(
         attempt, std::move(start), subject.parameters->misfit.box(),
-        {.max_iterations = options.max_iterations, .tolerance = options.tolerance, .agree = agree}, report);
+        {.max_iterations = options.max_iterations, .tolerance = *options.tolerance, .agree = agree}, report);
     end.stop = found.stop;
     end.fitted = std::move(found.last);
   } catch (const Interrupted&) {
@@ -232,7 +232,7 @@ optimize::Options search_options(const control::ControlSpace& controls, const sc
                     "single precision at least, here {:.10g} bytes",
                     memory, least_controls, least_controls * each));
   optimize::Options options{.max_iterations = scene.max_iterations,
-                            .tolerance = scene.tolerance,
+                            .tolerance = *scene.tolerance,
                             .vectors = static_cast<std::size_t>(memory / each)};
   options.bundle.dependent = 10 * std::numeric_limits<float>::epsilon(); // of vectors in single precision
   return options;

@@ -168,7 +168,7 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
     return fmt::format("J {:.6e} ({}, misfit {:.3e}): {}", J, parts, value.misfit, cost);
   return fmt::format("J {:.6e} -> {:.6e} ({}), |g| {:.2e} -> {:.2e} (tolerance {:.2e})\n{}",
                      history.at(0, "objective"), J, parts, end.first_norm, history.last("gradient_norm"),
-                     subject.scene.optimizer.tolerance * end.first_norm, cost);
+                     *subject.scene.optimizer.tolerance * end.first_norm, cost);
 }
 
 /// The tables of a search.

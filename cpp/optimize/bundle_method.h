@@ -15,11 +15,10 @@ class BundleMethod {
 public:
   using Vector = typename P::Vector;
 
-  /// Starts from the cut of `at` alone. `length` is that of a long step, of which the ball is a part.
+  /// Starts from the cut of `at` alone. `length` is that of a long step, of which the balls are parts.
   BundleMethod(const Options& options, const P& problem, const Iterate<P>& at, double length)
-      : options_(options), ball_(options.bundle.ball * length), bounds_at_(share(at.u)),
-        held_{share(negative(at.g))}, span_(options.bundle.dependent),
-        model_(options.bundle, {cut(problem, at.g)}) {}
+      : options_(options), length_(length), bounds_at_(share(at.u)), held_{share(negative(at.g))},
+        span_(options.bundle.dependent), model_(options.bundle, {cut(problem, at.g)}) {}
 
   /// For serialize() from an archive.
   explicit BundleMethod(const Options& options)
@@ -27,7 +26,7 @@ public:
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive("bundle/ball", ball_);
+    archive("bundle/length", length_);
     archive("bundle/bounds_at", bounds_at_);
     serialize_list(archive, "bundle/active_bounds", held_,
                    [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
@@ -54,18 +53,21 @@ public:
   };
 
   /// One round of a step from `at`, where the method started or the last serious step ended. A certificate is
-  /// at most as long as `tolerance`.
-  Step round(P& problem, const Iterate<P>& at, double tolerance) {
+  /// at most as long as the tolerance of the options, a part of `first_norm`.
+  Step round(P& problem, const Iterate<P>& at, double first_norm) {
     const BundleOptions& options = options_.bundle;
+    const double wanted = options_.tolerance * first_norm,
+                 tolerance = std::min(options_.tolerance, options.finest) * first_norm,
+                 ball = Options::ball(std::min(options_.tolerance, options.finest)) * length_;
     if (rounds_++ == options.rounds)
       return over();
     if (!smooth_)
-      if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), ball_);
-          shortest.length <= tolerance) {
-        auto certificate = confirmed(problem, at, shortest.weights, tolerance);
+      if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), certificate_ball());
+          shortest.length <= wanted) {
+        auto certificate = confirmed(problem, at, shortest.weights, wanted);
         if (!certificate)
           return ++unconfirmed_ == options.unconfirmed ? over() : Step();
-        if (!stationary_between(problem, *certificate, tolerance))
+        if (!stationary_between(problem, *certificate, wanted))
           return {.certificate = std::move(certificate)};
         smooth_ = std::move(certificate);
       }
@@ -81,11 +83,11 @@ public:
       }
       return step;
     }
-    const double first = options.gathered_part * tolerance / model_.curvature().largest();
-    distance_ =
-        distance_ > 0 ? options.farther * distance_ : std::clamp(first, options.nearest * ball_, ball_);
-    if (distance_ > ball_)
+    const double least = std::max(options.least_distance * ball,
+                                  options.gathered_part * tolerance / model_.curvature().largest());
+    if (distance_ > 0 && distance_ <= least)
       return over();
+    distance_ = std::max(least, distance_ > 0 ? options.nearer * distance_ : options.farthest * ball);
     gather_around(problem, at, direction.subgradient.weights, distance_);
     return {};
   }
@@ -96,12 +98,15 @@ public:
     const std::size_t most = std::min(options.dimension, options_.vectors);
     const auto part = [&](double of) { return static_cast<std::size_t>(of * static_cast<double>(most)); };
     if (span_.dimension() > part(options.restrict_above))
-      span_.restrict(model_.restrict(part(options.restricted), part(options.carried), ball_));
+      span_.restrict(model_.restrict(part(options.restricted), part(options.carried), certificate_ball()));
   }
 
   [[nodiscard]] std::size_t dimension() const { return span_.dimension(); }
 
 private:
+  /// Radius of a certificate.
+  double certificate_ball() const { return Options::ball(options_.tolerance) * length_; }
+
   /// The end of the rounds.
   Step over() { return {.certificate = std::move(smooth_), .over = true}; }
 
@@ -165,7 +170,7 @@ private:
           gathered_anew.push_back({span_.coordinates(problem, std::move(g)), {}, model_.cuts()[i].offset, 0});
         });
     if (gathered.complete && gathered.certificate.length <= tolerance &&
-        gathered.certificate.radius <= (1 + options_.bundle.rounding) * ball_)
+        gathered.certificate.radius <= (1 + options_.bundle.rounding) * certificate_ball())
       return std::move(gathered.certificate);
     if (!problem.bounded()) { // nothing was blocked: the subspace stays
       std::vector<Cut> cuts{model_.cuts().front()};
@@ -262,7 +267,7 @@ private:
   }
 
   Options options_;
-  double ball_ = 0;
+  double length_ = 0; ///< of a long step
   Shared<Vector> bounds_at_;
   std::vector<Shared<Vector>> held_; ///< directions that push the blocked values out of the bounds there
   Span<P> span_;

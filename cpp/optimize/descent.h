@@ -7,6 +7,12 @@
 
 namespace signorini::optimize {
 
+/// A convex combination of the gradients of the last iterates, the latest first.
+struct PathCombination {
+  std::vector<double> weights; ///< Σ = 1
+  double length = 0;
+};
+
 template <Differentiable P>
 struct Search {
   std::optional<Iterate<P>> found; ///< the accepted trial, also the problem's
@@ -58,13 +64,15 @@ template <Differentiable P>
   return search;
 }
 
-/// Line search along the descent directions of `Method`. Where it fails, the method restarts with steepest
-/// descent. Where that fails too, or steps have become short, as they do among kinks, a bundle method takes
-/// over; it ends the search with a certificate (docs/method.md section 6).
+/// Line search along the descent directions of `Method`, until the gradients of the last iterates have a
+/// short convex combination. Where the search fails, the method restarts with steepest descent. Where that
+/// fails too, or steps have become short, as they do among kinks, a bundle method takes over; it ends the
+/// search with a certificate (docs/method.md section 6).
 ///
 /// `Method` provides direction(problem, at), tangential and as long as the first trial step; learn(problem,
 /// from, to, t), called after the step t along it; restart(), false if the last direction was steepest
-/// descent; store_at_most(vectors); serialize(archive).
+/// descent; path_combination(problem, at, radius) and before(at, steps), which tell of the last iterates;
+/// store_at_most(vectors); serialize(archive).
 template <TwiceDifferentiable P, class Method>
 class Descent {
 public:
@@ -79,6 +87,9 @@ public:
     double t = 1, promised = std::numeric_limits<double>::infinity();
     if (!options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       return Result<Vector>{Stop::short_steps};
+    if (options_.through_kinks && !bundle_)
+      if (auto certificate = path_certificate(problem, current, options_.tolerance * state.first_norm))
+        return Result<Vector>{Stop::kink, std::move(certificate)};
     if (!bundle_) {
       Search<P> search;
       do
@@ -97,7 +108,7 @@ public:
       next = std::move(search.found);
     }
     if (!next) {
-      Step step = bundle_->round(problem, current, options_.tolerance * state.first_norm);
+      Step step = bundle_->round(problem, current, state.first_norm);
       if (step.certificate)
         return Result<Vector>{Stop::kink, std::move(step.certificate)};
       if (step.over) {
@@ -146,6 +157,7 @@ public:
     method_.serialize(archive);
     archive("longest_step", longest_);
     archive("short_steps", short_steps_);
+    archive("unconfirmed", unconfirmed_);
     archive("bundle/fresh", fresh_);
     bool takes_over = bundle_.has_value();
     archive("bundle/takes_over", takes_over);
@@ -158,6 +170,25 @@ public:
 private:
   using Step = typename BundleMethod<P>::Step;
 
+  /// The certificate by gradients of the last iterates, evaluated anew, if they have one.
+  std::optional<Certificate<Vector>> path_certificate(P& problem, const Iterate<P>& at, double tolerance) {
+    const double radius = Options::ball(options_.tolerance) * longest_;
+    const auto combination = method_.path_combination(problem, at, radius);
+    if (!combination || combination->length > tolerance * std::pow(options_.bundle.again, unconfirmed_))
+      return std::nullopt;
+    GatheredGradients<P> gathered = gather(
+        problem, at, combination->weights,
+        [&](std::size_t steps) { return projected(problem, method_.before(at, steps)); },
+        [](std::size_t, const Vector&) {});
+    const Certificate<Vector>& found = gathered.certificate;
+    if (gathered.complete && found.length <= tolerance && found.points.size() > 1 &&
+        found.radius <= (1 + options_.bundle.rounding) * radius &&
+        !stationary_between(problem, found, tolerance))
+      return std::move(gathered.certificate);
+    ++unconfirmed_;
+    return std::nullopt;
+  }
+
   void take_over(const P& problem, const Iterate<P>& at) {
     bundle_.emplace(options_, problem, at, longest_);
     fresh_ = true;
@@ -169,6 +200,7 @@ private:
   Method method_;
   double longest_ = 1;                    ///< step so far, at first Cauchy's, the unit of length
   int short_steps_ = 0;                   ///< consecutive ones up to now
+  int unconfirmed_ = 0;                   ///< certificates by the last iterates that were none
   std::optional<BundleMethod<P>> bundle_; ///< steps instead of the method
   bool fresh_ = false;                    ///< the bundle has not led to a step yet
 };

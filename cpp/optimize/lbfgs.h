@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "linalg/simplex_qp.h"
 #include "optimize/descent.h"
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace signorini::optimize {
 
@@ -52,6 +54,64 @@ public:
     return tangential(unknowns, at.u, d);
   }
 
+  /// The shortest convex combination of the gradients of the iterate `at` and of those before it within a
+  /// radius around it: their weights, the latest first (Lewis, Overton 2013, section 6.3). On free values.
+  /// Gradients and places come from the pairs, rounded, and cost one product each; none without pairs.
+  [[nodiscard]] std::optional<PathCombination> path_combination(const U& unknowns, const Iterate<U>& at,
+                                                                double radius) const {
+    const std::size_t n = vectors_.size(), steps = std::min(static_cast<std::size_t>(unbroken_), n / 2);
+    const Vector r = negative(tangential(unknowns, at.u, negative(at.g)));
+    const std::vector<double> products = unknowns.pairings(std::vector{unknowns.dual(r)}, vectors_);
+    const auto y = [&](std::size_t back) { return n - 2 * back + 1; }; // of the step that many back, from 1
+    PathCombination found{.weights = std::vector<double>(steps + 1), .length = 0};
+    std::vector<std::size_t> near{0}; // steps back
+    double squared = 0;               // of the distance
+    for (std::size_t i = 1; i <= steps; ++i) {
+      squared += gram_[(y(i) - 1) * n + y(i) - 1];
+      for (std::size_t j = 1; j < i; ++j)
+        squared += 2 * gram_[(y(i) - 1) * n + y(j) - 1];
+      if (squared <= radius * radius)
+        near.push_back(i);
+    }
+    if (near.size() == 1)
+      return std::nullopt;
+    // Of the gradients r − Σ y of so many steps.
+    const double rr = unknowns.inner(r, r);
+    std::vector<double> G;
+    for (const std::size_t a : near)
+      for (const std::size_t b : near) {
+        double product = rr;
+        for (std::size_t i = 1; i <= a; ++i)
+          product -= products[y(i)];
+        for (std::size_t j = 1; j <= b; ++j) {
+          product -= products[y(j)];
+          for (std::size_t i = 1; i <= a; ++i)
+            product += gram_[y(i) * n + y(j)];
+        }
+        G.push_back(product);
+      }
+    const auto weights = simplex_qp(G, std::vector<double>(near.size()));
+    if (!weights)
+      return std::nullopt;
+    for (std::size_t a = 0; a < near.size(); ++a) {
+      found.weights[near[a]] = (*weights)[a];
+      for (std::size_t b = 0; b < near.size(); ++b)
+        found.length += (*weights)[a] * (*weights)[b] * G[a * near.size() + b];
+    }
+    found.length = std::sqrt(std::max(found.length, 0.0));
+    return found;
+  }
+
+  /// The iterate so many steps before one.
+  [[nodiscard]] Vector before(const Iterate<U>& at, std::size_t steps) const {
+    Vector u = at.u;
+    std::vector<double> factors(vectors_.size());
+    for (std::size_t i = 1; i <= steps; ++i)
+      factors[vectors_.size() - 2 * i] = -1;
+    u.add(factors, vectors_);
+    return u;
+  }
+
   void learn(const U& unknowns, const Iterate<U>& from, const Iterate<U>& to, double) {
     const Vector down = negative(to.g);
     Vector s = difference(to.u, from.u), y = difference(to.g, from.g);
@@ -72,10 +132,12 @@ public:
                    y = interpolate(Vector(other.vectors_[2 * i + 1]));
       take(unknowns, s, y, norm(unknowns, s));
     }
+    unbroken_ = 0; // none of them is this problem's
   }
 
   bool restart() {
     const bool had = !vectors_.empty();
+    unbroken_ = 0;
     vectors_.clear();
     gram_.clear();
     return had;
@@ -91,6 +153,7 @@ public:
   void serialize(Archive& archive) {
     archive("lbfgs/scale", scale_);
     archive("lbfgs/length", length_);
+    archive("lbfgs/unbroken", unbroken_);
     serialize_list(archive, "lbfgs/vectors", vectors_,
                    [&](Compact& v, const std::string& name) { archive(name, v); });
     archive("lbfgs/gram", gram_);
@@ -107,8 +170,13 @@ private:
     all.emplace_back(y);
     const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
     const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
-    if (!(sy > options_.least_cosine * length * std::sqrt(yy)))
+    // Pairs that lack blocked values do not lead back to the iterates before.
+    const bool whole = ss >= (1 - options_.least_cosine) * length * length;
+    unbroken_ = whole ? unbroken_ + 1 : 0;
+    if (!(sy > options_.least_cosine * length * std::sqrt(yy))) {
+      unbroken_ = 0;
       return;
+    }
     // Between the largest and the smallest inverse curvature seen (Dai, Al-Baali, Yang 2015): the curvatures
     // of J spread widely, from alpha up.
     scale_ = std::sqrt(ss / yy);
@@ -135,6 +203,7 @@ private:
   LbfgsOptions options_;
   std::vector<Compact> vectors_; ///< s and y of each pair, the oldest first
   std::vector<double> gram_;     ///< their products (vectors × vectors)
+  int unbroken_ = 0;             ///< so many last pairs lead from an iterate to the next
   double scale_ = 1;
   double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -50,13 +51,13 @@ struct NewtonOptions {
 /// The bundle method at kinks (bundle_method.h) and when it takes over (descent.h).
 struct BundleOptions {
   /// Steps in a row that are short, relative to the longest, before the method takes over: one may be due to
-  /// a single kink that the line search passes. Short is ten balls (below): the method starts before steps
-  /// are lost within one.
+  /// a single kink that the line search passes. Short is the ball of the finest tolerance below: the method
+  /// starts before steps are lost within it.
   int short_steps = 3;
   double short_step = 1e-3;
-  /// Radius of the ball in which a certificate gathers gradients, relative to the longest step: pieces of J
-  /// closer than that count as met. Smaller balls ask for points nearer to the kink, larger ones prove less.
-  double ball = 1e-4;
+  /// The tolerance that the method works to where less is asked for: its way is then the same, and a
+  /// certificate is met no later.
+  double finest = 1e-6;
   /// Cuts. k + 1 certify a minimum where J has kinks in k directions (Carathéodory); with fewer the search
   /// goes on by leaving and finding cuts again. Quadratic programs with 40 cost nothing beside a sweep.
   std::size_t cuts = 40;
@@ -70,6 +71,8 @@ struct BundleOptions {
   /// Rounds of a step, each one or more pairs of sweeps, and unconfirmed certificates in it: end a search
   /// that J's rounding, or pieces thinner than the ball, keep from making progress.
   int rounds = 100, unconfirmed = 10;
+  /// So much shorter must a combination of the last iterates' gradients be after one that was no certificate.
+  double again = 0.5;
   /// Hessian products for one direction, each two sweeps. Where the model's curvature is still wrong, the
   /// direction is tried as it is: another cut tells as much for less.
   int products = 10;
@@ -83,14 +86,16 @@ struct BundleOptions {
   /// Weight of a cut above which it carries the model's minimum: √ε, as accurate as the weights
   /// of gradients are that differ by that part of their length.
   double carrying = 1e-8;
-  /// Where the model's subgradient is shorter than the first, of the tolerance, gradients are gathered at a
-  /// distance over which they change by the second: together 3/4, so that the certificate is confirmed.
+  /// Where the model's subgradient is shorter than the first, of the tolerance, gradients are gathered at
+  /// ever smaller distances down to that over which they change by the second: together 3/4, so that the
+  /// certificate is confirmed.
   double model_part = 0.5, gathered_part = 0.25;
-  /// Least such distance, of the ball, 1e-10 of the longest step: differences of J over it still exceed
-  /// rounding. Where it was too near to meet all pieces, it grows by a factor up to the ball.
-  double nearest = 1e-6, farther = 10;
+  /// The first of these distances, of the ball, and the factor of the next. Nearer ones first would meet only
+  /// the pieces that are known, and lose the cuts of the others. At the least, 1e-9 of the longest step,
+  /// differences of J still exceed rounding.
+  double farthest = 0.3, nearer = 0.1, least_distance = 1e-6;
   /// Relative rounding of offsets and directions: they are differences of controls 1/ball times as long, with
-  /// an error of ε/ball = 2e-12 at least.
+  /// an error of ε/ball = 2e-12 where the ball is 1e-4.
   double rounding = 1e-9;
   /// Part of a vector out of the subspace, relative to its length, below which it belongs to it: rounding of
   /// an orthogonalisation, ε times the dimension and some room.
@@ -114,6 +119,12 @@ struct Options {
   LbfgsOptions lbfgs{};
   NewtonOptions newton{};
   BundleOptions bundle{};
+
+  /// Radius r of the ball in which a certificate to a tolerance gathers gradients, relative to the longest
+  /// step: pieces of J closer than that count as met. Of a convex J a certificate of length ℓ proves J − J* ≤
+  /// r²/2 + ℓ times the distance from the minimiser, in a search's units and with its unit curvature; where r
+  /// is the root of the tolerance both parts are alike.
+  [[nodiscard]] static double ball(double tolerance) { return std::sqrt(tolerance); }
 
   /// A decrease of J that is indistinguishable from none.
   [[nodiscard]] double negligible(double objective) const { return rounding * std::abs(objective); }

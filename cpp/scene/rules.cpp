@@ -236,6 +236,10 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
     if (!scene.time.longest)
       scene.time.longest = std::min(step, scene.time.end / Time::usual_longest);
   }
+  if (!scene.optimizer.tolerance && (scene.objective || !scene.unknowns.empty()))
+    scene.optimizer.tolerance = scene.optimizer.method == OptimizerMethod::gauss_newton
+                                    ? Optimizer::usual_of_fits
+                                    : Optimizer::usual_tolerance;
   if (scene.objective) {
     if (!scene.optimizer.start)
       scene.optimizer.start = usual_start(scene);

@@ -242,11 +242,14 @@ struct Measurement {
 
 /// Table [optimizer]; docs/method.md section 6.
 struct Optimizer {
+  static constexpr double usual_tolerance = 1e-4, usual_of_fits = 1e-6;
+
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  double tolerance =
-      1e-6;            ///< of the norm of the gradient, relative to the first guess's; of a fit's decrement
+  /// Of the norm of the gradient, relative to the first guess's; of a fit's decrement. Set where there is a
+  /// search.
+  std::optional<double> tolerance;
   int checkpoint = 10; ///< iterations between checkpoints; 0: none
   double memory = 0;   ///< of the controls that a method stores, bytes; 0: the usual
 };

@@ -22,7 +22,7 @@ void require_certified(Pieces& problem, const optimize::Result<Point>& ending, c
   const auto& certificate = *ending.certificate;
   CHECK(certificate.length <= tolerance * first);
   CHECK(certificate.points.size() >= 2);
-  CHECK(certificate.radius < 1e-3); // of a control that is of the order of one
+  CHECK(certificate.radius <= 2 * optimize::Options::ball(tolerance)); // of a longest step of at most two
   Point sum = u;
   sum.scale(0);
   double whole = 0;
