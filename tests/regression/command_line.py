@@ -38,7 +38,7 @@ def temporary_folder(folder: Path) -> None:
     quick = [str(SIGNORINI), "info", str(BLOCK), "--quiet"]
     for name in ("TMPDIR", "TEMP", "TMP"):
         own = {key: value for key, value in os.environ.items() if key not in ("TMPDIR", "TEMP", "TMP")}
-        for command, status in ((quick, 2), ([sys.executable, "-c", "import signorini"], 1)):
+        for command, status in ((quick, 2), ([sys.executable, "-c", "import signorini; signorini.rank"], 1)):
             if status == 1 and (name != "TMPDIR" or not importlib.util.find_spec("signorini")):
                 continue
             for wrong, why in ((folder / "file" / "below", "Not a directory"), ("/proc", "")):  # /proc: root may write there, and cannot

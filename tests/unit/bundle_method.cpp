@@ -22,7 +22,7 @@ void require_certified(Pieces& problem, const optimize::Result<Point>& ending, c
   const auto& certificate = *ending.certificate;
   CHECK(certificate.length <= tolerance * first);
   CHECK(certificate.points.size() >= 2);
-  CHECK(certificate.radius <= 2 * optimize::Options::ball(tolerance)); // of a longest step of at most two
+  CHECK(certificate.radius <= 4 * optimize::Options::ball(tolerance)); // no step here is as long as four
   Point sum = u;
   sum.scale(0);
   double whole = 0;
@@ -85,6 +85,35 @@ TEST_CASE("where many pieces meet the search ends with a certificate", "[optimiz
         held += at_bounds > 0;
       }
   CHECK(held >= 3); // of 6
+}
+
+TEST_CASE("a looser tolerance is met no later, by gradients of the last iterates", "[optimize]") {
+  std::size_t earlier = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    std::size_t last = 0;
+    for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6}) {
+      INFO("seed " << seed << ", tolerance " << tolerance);
+      Pieces problem(seed, 1e300);
+      Record record;
+      const auto ending = search(Method::lbfgs, problem, Point{std::vector<double>(problem.n, 0.3)},
+                                 {.max_iterations = 500, .tolerance = tolerance}, record);
+      require_certified(problem, ending, record, tolerance);
+      CHECK(record.rows.size() >= last);
+      earlier += record.rows.size() > last;
+      last = record.rows.size();
+    }
+  }
+  CHECK(earlier >= 12); // of 24: tolerances do tell
+}
+
+TEST_CASE("on a smooth function iterates around the minimiser certify no kink", "[optimize]") {
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    Quadratic problem;
+    problem.lower = -1e300, problem.upper = 1e300;
+    Record record;
+    CHECK(minimise(Method::lbfgs, problem, start, {.tolerance = tolerance}, record) ==
+          optimize::Stop::gradient_tolerance);
+  }
 }
 
 TEST_CASE("rounding of blocked values neither ends a search nor keeps it for ever", "[optimize]") {

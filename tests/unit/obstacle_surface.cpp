@@ -93,7 +93,7 @@ contact::Box of(int dim) {
 
 } // namespace
 
-TEST_CASE("the surface of a ball is closed and turned outwards, its area converges", "[surface]") {
+TEST_CASE("the surface of a ball is closed and turned outwards, its area converges", "[contact]") {
   const auto side = GENERATE(scene::Side::outside, scene::Side::inside);
   const int dim = GENERATE(2, 3);
   const std::vector<scene::Expression> centre =
@@ -114,7 +114,7 @@ TEST_CASE("the surface of a ball is closed and turned outwards, its area converg
   CHECK(std::log2(errors[0] / errors[1]) / 2 == Approx(2).margin(0.3));
 }
 
-TEST_CASE("a part of a large ball, and none where it is out of sight", "[surface]") {
+TEST_CASE("a part of a large ball, and none where it is out of sight", "[contact]") {
   const contact::Obstacle ball = made(scene::Ball{{0.0, -50.0, 0.0}, 50.0, scene::Side::outside}, 3);
   const auto surface = surface_within(ball, ball.place(0), 3, around, 20);
   const Measures found = measured(ball, ball.place(0), surface, 3);
@@ -126,7 +126,7 @@ TEST_CASE("a part of a large ball, and none where it is out of sight", "[surface
   CHECK(surface_within(ball, ball.place(0), 3, far, 20).facets.empty());
 }
 
-TEST_CASE("planes reach as far as the box, cylinders to its ends", "[surface]") {
+TEST_CASE("planes reach as far as the box, cylinders to its ends", "[contact]") {
   const contact::Obstacle line = made(scene::HalfSpace{{0.1, 0.2}, {0.3, -2}}, 2);
   const auto segment = surface_within(line, line.place(0), 2, of(2), 10);
   const Measures straight = measured(line, line.place(0), segment, 2);
@@ -150,7 +150,7 @@ TEST_CASE("planes reach as far as the box, cylinders to its ends", "[surface]") 
   CHECK(measured(rod, rod.place(0), tube, 3).size == Approx(4 * std::numbers::pi).epsilon(0.02));
 }
 
-TEST_CASE("level sets where they are negative, with holes where they have no value", "[surface]") {
+TEST_CASE("level sets where they are negative, with holes where they have no value", "[contact]") {
   const contact::Obstacle wave = made(scene::SignedDistance{"3*(y - 0.2*sin(2*x))"}, 2);
   const auto surface = surface_within(wave, wave.place(0), 2, of(2), 100);
   double length = 0;
@@ -168,7 +168,7 @@ TEST_CASE("level sets where they are negative, with holes where they have no val
         Approx(3).margin(0.05));
 }
 
-TEST_CASE("points of a surface are carried along with it", "[surface]") {
+TEST_CASE("points of a surface are carried along with it", "[contact]") {
   const contact::Obstacle ball = made(scene::Ball{{"t", 0.0, 0.0}, "0.5 + t", scene::Side::outside}, 3),
                           plane = made(scene::HalfSpace{{"5*t", "2*t", 0.0}, {0, 1, 0}}, 3);
   for (const contact::Obstacle* each : {&ball, &plane}) {

@@ -65,7 +65,7 @@ def beam(out: Path, figures: Figures) -> None:
 
 
 def block(out: Path, figures: Figures) -> None:
-    signorini("optimize", SCENES / "block.toml", out)
+    signorini("optimize", SCENES / "block.toml", out, optimizer__tolerance=1e-6)
     history, run = table(out / "history.csv"), told(out)
     assert run["stop_reason"] == "gradient norm below tolerance" and {one["name"] for one in run["warnings"]} <= {"energy lost in contact"}, run
     assert (table(out / "steps.csv")["active"] > 0).sum() > 10
