@@ -25,7 +25,7 @@ def run(scene: Path, out: Path, tolerance: float, guess: list[float] | None, ker
     values = {"optimizer.tolerance": tolerance, "optimizer.max_iterations": 1000, "optimizer.checkpoint": 0, "output.fields": "[]", "output.tables": '["history"]'}
     if guess:
         values["control.initial"] = json.dumps([repr(value) for value in guess])
-    program.output("signorini", "optimize", scene, "--out", out, "--quiet", "--replace", *program.sets(values),
+    program.output("signorini", "optimize", scene, "--out", out, "--quiet", *program.sets(values),
                    allowed=(0, 1), **({"OPENBLAS_CORETYPE": kernel} if kernel else {}))  # fmt: skip
     found = json.loads((out / "run.json").read_text())
     return {"tolerance": tolerance, "guess": guess, "kernel": kernel, "objective": found["objective"]["value"], "stop_reason": found["stop_reason"],
@@ -47,7 +47,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         for tolerance in given.tolerances:
             for guess, kernel in cases:
-                rows.append(run(given.scene.absolute(), Path(name) / "out", tolerance, guess, kernel))
+                rows.append(run(given.scene.absolute(), Path(name) / str(len(rows)), tolerance, guess, kernel))
                 print(f"  {tolerance:g} {guess or 'own guess'} {kernel or ''}: {rows[-1]['forward']} + {rows[-1]['adjoint']} sweeps, "
                       f"J {rows[-1]['objective']:.12e}, {rows[-1]['stop_reason']}", flush=True)  # fmt: skip
     least = np.min([row["objective"] for row in rows])
