@@ -88,7 +88,7 @@ def certificate(out: Path, figures: Figures) -> None:
     """At a kink the gradient norm stalls, and the shortest combination of gradients tells that J is stationary: g = α u + (τ s/2) p
     there, and p has no normal part where all pieces of J are in contact, so neither has u (Fig. 5 of the paper)."""
     for method in FASTER:
-        history, run = optimize(out, method, ["control"])
+        history, run = optimize(out, method, ["control"], optimizer__tolerance=1e-6)
         first, last, kink = history["gradient_norm"][0], history["gradient_norm"][-1], run["kink"]
         print(f"{method}: {run['stop_reason']} after {run['optimizer']['iterations']} iterations, "
               f"{run['optimizer']['forward_sweeps'] + run['optimizer']['adjoint_sweeps']} sweeps; {kink['gradients']} gradients within "
