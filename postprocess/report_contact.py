@@ -8,7 +8,7 @@ import numpy as np
 from . import style
 from .boundary import Arc, arc_of
 from .files import NotInRun
-from .report_parts import GREY, Chart, Table, figure, line, packed, quantity, time_axis
+from .report_parts import GREY, Chart, figure, line, packed, time_axis
 from .run_folder import Contact, RunFolder
 
 MOST_COLUMNS = 400  # times in a map of the contact surface
