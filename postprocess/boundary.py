@@ -103,5 +103,5 @@ def places(nodes: np.ndarray, loops: list[np.ndarray], points: np.ndarray) -> tu
 
 
 def lengths(line: np.ndarray) -> np.ndarray:
-    """Of the segments of a line, m."""
+    """Lengths of the segments of a line, m."""
     return np.linalg.norm(np.diff(line, axis=0), axis=1)

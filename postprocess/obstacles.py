@@ -82,7 +82,7 @@ def read_obstacle(group: h5py.Group, name: str, times: np.ndarray) -> Obstacle:
 
 
 def normals(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
-    """Of each facet, of length 1 and out of the obstacle."""
+    """Normals of the facets, of length 1 and out of the obstacle."""
     sides = points[facets[:, 1:]] - points[facets[:, :1]]
     way = sides[:, 0] @ np.array([[0.0, 1], [-1, 0]]) if points.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     size = np.linalg.norm(way, axis=1, keepdims=True)

@@ -120,7 +120,7 @@ def along_surface(run: RunFolder, contact: Contact) -> Place:
 
 
 def along(arc: Arc) -> Place:
-    """Likewise for any points of the boundary."""
+    """A row for each point of the boundary, and for what is between two parts of it."""
     return Place(arc.edges(), arc.rows(), "position along the surface (m)")
 
 

@@ -15,7 +15,7 @@ enum class Status : std::uint8_t {
   strong, ///< S: g = 0 and λ > 0; where it depends on others of its node, their λ counts too
 };
 
-/// As tables have it.
+/// The status as tables have it.
 [[nodiscard]] constexpr const char* name(Status status) {
   return status == Status::open ? "open" : status == Status::weak ? "weak" : "strong";
 }

@@ -11,7 +11,7 @@ namespace signorini::contact {
 struct Box {
   std::array<double, 3> low{}, high{};
 
-  /// That holds nothing yet.
+  /// A box that holds nothing yet.
   [[nodiscard]] static Box empty(int dim);
   [[nodiscard]] double longest_side() const;
   /// Extends the box to hold a point, or `other`.

@@ -73,7 +73,7 @@ public:
 
   /// The obstacle of pair i.
   [[nodiscard]] const Obstacle& obstacle(int i) const { return shapes_[obstacles_[i]]; }
-  /// That of a number in the scene.
+  /// The obstacle of a number in the scene.
   [[nodiscard]] const Obstacle& shape(int obstacle) const { return shapes_[obstacle]; }
   /// Obstacles of the scene.
   [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }

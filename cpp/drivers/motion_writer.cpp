@@ -172,7 +172,8 @@ void MotionWriter::store(const Snapshot& now) {
     store_fields(now, stored_.size());
   stored_.push_back(now.step.k);
   times_.push_back(now.step.end);
-  follow_body(now.state.y());
+  if (with_surfaces())
+    follow_body(now.state.y());
 }
 
 void MotionWriter::put_aside(const trajectory::Frame& frame) {
@@ -238,9 +239,9 @@ void MotionWriter::follow_body(Vec y) {
 }
 
 void MotionWriter::write_surfaces() const {
-  const contact::ContactPairs* pairs = problem_.stepper.pairs();
-  if (!pairs || !(state_ || contact_))
+  if (!with_surfaces())
     return;
+  const contact::ContactPairs* pairs = problem_.stepper.pairs();
   contact::Box body = body_;
   MPI_Allreduce(MPI_IN_PLACE, body.low.data(), 3, MPI_DOUBLE, MPI_MIN, pairs->comm());
   MPI_Allreduce(MPI_IN_PLACE, body.high.data(), 3, MPI_DOUBLE, MPI_MAX, pairs->comm());

@@ -81,6 +81,8 @@ private:
   void put_aside(const trajectory::Frame& frame);
   void store(const Snapshot& now);
   void store_fields(const Snapshot& now, std::size_t number);
+  /// Whether surfaces.h5 is written.
+  [[nodiscard]] bool with_surfaces() const { return problem_.stepper.pairs() && (state_ || contact_); }
   /// Extends the box of the body.
   void follow_body(Vec y);
   void write_surfaces() const;

@@ -102,7 +102,7 @@ Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std:
   return motion;
 }
 
-/// Of the candidates of an obstacle, with the body undeformed at t = 0.
+/// The candidates of an obstacle, with the body undeformed at t = 0.
 struct Candidates {
   std::vector<double> gap;    ///< m
   std::vector<double> normal; ///< out of the obstacle, (m × dim)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "base/point.h"
 #include <array>
 #include <cmath>
 
@@ -8,7 +9,7 @@ namespace signorini::mesh {
 /// Affine map x = corner + J ξ of a straight triangle in the plane z = 0, or of a tetrahedron.
 class Simplex {
 public:
-  using Point = std::array<double, 3>;
+  using Point = signorini::Point;
 
   /// `vertex(i)` points to the coordinates of vertex i.
   template <class Vertex>
@@ -67,11 +68,6 @@ public:
   }
 
 private:
-  static Point cross(const Point& a, const Point& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  }
-  static double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
   int dim_;
   Point corner_{};
   std::array<Point, 3> edges_{}, dual_{}; ///< columns of J, rows of det(J) J⁻¹

@@ -169,8 +169,7 @@ private:
         [&](std::size_t i, Vector g) {
           gathered_anew.push_back({span_.coordinates(problem, std::move(g)), {}, model_.cuts()[i].offset, 0});
         });
-    if (gathered.complete && gathered.certificate.length <= tolerance &&
-        gathered.certificate.radius <= (1 + options_.bundle.rounding) * certificate_ball())
+    if (gathered.confirms(tolerance, (1 + options_.bundle.rounding) * certificate_ball()))
       return std::move(gathered.certificate);
     if (!problem.bounded()) { // nothing was blocked: the subspace stays
       std::vector<Cut> cuts{model_.cuts().front()};

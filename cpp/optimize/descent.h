@@ -71,8 +71,8 @@ template <Differentiable P>
 ///
 /// `Method` provides direction(problem, at), tangential and as long as the first trial step; learn(problem,
 /// from, to, t), called after the step t along it; restart(), false if the last direction was steepest
-/// descent; path_combination(problem, at, radius) and before(at, steps), which tell of the last iterates;
-/// store_at_most(vectors); serialize(archive).
+/// descent; store_at_most(vectors); serialize(archive); if it remembers the last iterates,
+/// path_combination(problem, at, radius) and before(at, steps).
 template <TwiceDifferentiable P, class Method>
 class Descent {
 public:
@@ -87,9 +87,10 @@ public:
     double t = 1, promised = std::numeric_limits<double>::infinity();
     if (!options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       return Result<Vector>{Stop::short_steps};
-    if (options_.through_kinks && !bundle_)
-      if (auto certificate = path_certificate(problem, current, options_.tolerance * state.first_norm))
-        return Result<Vector>{Stop::kink, std::move(certificate)};
+    if constexpr (requires { method_.path_combination(problem, current, t); })
+      if (options_.through_kinks && !bundle_)
+        if (auto certificate = path_certificate(problem, current, options_.tolerance * state.first_norm))
+          return Result<Vector>{Stop::kink, std::move(certificate)};
     if (!bundle_) {
       Search<P> search;
       do
@@ -180,10 +181,9 @@ private:
         problem, at, combination->weights,
         [&](std::size_t steps) { return projected(problem, method_.before(at, steps)); },
         [](std::size_t, const Vector&) {});
-    const Certificate<Vector>& found = gathered.certificate;
-    if (gathered.complete && found.length <= tolerance && found.points.size() > 1 &&
-        found.radius <= (1 + options_.bundle.rounding) * radius &&
-        !stationary_between(problem, found, tolerance))
+    if (gathered.confirms(tolerance, (1 + options_.bundle.rounding) * radius) &&
+        gathered.certificate.points.size() > 1 &&
+        !stationary_between(problem, gathered.certificate, tolerance))
       return std::move(gathered.certificate);
     ++unconfirmed_;
     return std::nullopt;

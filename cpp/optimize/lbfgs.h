@@ -60,8 +60,6 @@ public:
   [[nodiscard]] std::optional<PathCombination> path_combination(const U& unknowns, const Iterate<U>& at,
                                                                 double radius) const {
     const std::size_t n = vectors_.size(), steps = std::min(static_cast<std::size_t>(unbroken_), n / 2);
-    const Vector r = negative(tangential(unknowns, at.u, negative(at.g)));
-    const std::vector<double> products = unknowns.pairings(std::vector{unknowns.dual(r)}, vectors_);
     const auto y = [&](std::size_t back) { return n - 2 * back + 1; }; // of the step that many back, from 1
     PathCombination found{.weights = std::vector<double>(steps + 1), .length = 0};
     std::vector<std::size_t> near{0}; // steps back
@@ -76,6 +74,8 @@ public:
     if (near.size() == 1)
       return std::nullopt;
     // Of the gradients r − Σ y of so many steps.
+    const Vector r = negative(tangential(unknowns, at.u, negative(at.g)));
+    const std::vector<double> products = unknowns.pairings(std::vector{unknowns.dual(r)}, vectors_);
     const double rr = unknowns.inner(r, r);
     std::vector<double> G;
     for (const std::size_t a : near)

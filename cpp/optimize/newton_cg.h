@@ -60,12 +60,6 @@ public:
     return tangential(problem, at.u, d);
   }
 
-  /// Iterates are not remembered.
-  [[nodiscard]] std::optional<PathCombination> path_combination(const P&, const Iterate<P>&, double) const {
-    return std::nullopt;
-  }
-  [[nodiscard]] Vector before(const Iterate<P>& at, std::size_t) const { return at.u; }
-
   void learn(const P& problem, const Iterate<P>& from, const Iterate<P>& to, double t) {
     const double length = norm(problem, difference(to.u, from.u)),
                  ratio = (from.objective - to.objective) / predicted_;

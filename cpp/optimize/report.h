@@ -33,6 +33,11 @@ struct GatheredGradients {
   Certificate<Vector> certificate{};
   Vector sum;           ///< the combination
   bool complete = true; ///< J could be evaluated at all points
+
+  /// Whether it is a certificate at most so long, of gradients within a ball of that radius.
+  [[nodiscard]] bool confirms(double length, double ball) const {
+    return complete && certificate.length <= length && certificate.radius <= ball;
+  }
 };
 
 /// Evaluates the gradients of a convex combination anew: that of the current point, of the first weight, and

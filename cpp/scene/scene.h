@@ -247,8 +247,8 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  /// Of the norm of the gradient, relative to the first guess's; of a fit's decrement. Set where there is a
-  /// search.
+  /// The tolerance of the gradient's norm, relative to the first guess's; of a fit's decrement. Set where
+  /// there is a search.
   std::optional<double> tolerance;
   int checkpoint = 10; ///< iterations between checkpoints; 0: none
   double memory = 0;   ///< of the controls that a method stores, bytes; 0: the usual

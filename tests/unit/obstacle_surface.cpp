@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/obstacle_surface.h"
+#include "base/point.h"
 #include <algorithm>
 #include <array>
 #include <catch2/catch_approx.hpp>
@@ -14,8 +15,6 @@ using namespace signorini;
 using Catch::Approx;
 
 namespace {
-
-using Point = std::array<double, 3>;
 
 contact::Obstacle made(const scene::Obstacle& shape, int dim) {
   return {shape, "contact.obstacle", dim, 2.0};
@@ -33,14 +32,8 @@ Point normal(const contact::ObstacleSurface& surface, int dim, std::size_t facet
   for (int i = 0; i < dim; ++i)
     x[static_cast<std::size_t>(i)] =
         at(surface, dim, surface.facets[facet * static_cast<std::size_t>(dim) + static_cast<std::size_t>(i)]);
-  Point a{}, b{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    a[c] = x[1][c] - x[0][c];
-    b[c] = x[2][c] - x[0][c];
-  }
-  if (dim == 2)
-    return {-a[1], a[0], 0};
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  const Point side = from(x[0], x[1]);
+  return dim == 2 ? Point{-side[1], side[0], 0} : cross(side, from(x[0], x[2]));
 }
 
 struct Measures {
@@ -57,7 +50,7 @@ Measures measured(const contact::Obstacle& obstacle, const contact::Obstacle::Pl
   const std::size_t facets = surface.facets.size() / static_cast<std::size_t>(dim);
   for (std::size_t f = 0; f < facets; ++f) {
     const Point n = normal(surface, dim, f);
-    const double size = std::hypot(n[0], n[1], n[2]);
+    const double size = length(n);
     found.size += dim == 2 ? size : size / 2;
     Point middle{};
     for (int i = 0; i < dim; ++i) {
@@ -75,7 +68,7 @@ Measures measured(const contact::Obstacle& obstacle, const contact::Obstacle::Pl
     }
     if (size > 1e-9) {
       const Point out = obstacle.at(middle.data(), place).normal;
-      found.inwards = std::min(found.inwards, (n[0] * out[0] + n[1] * out[1] + n[2] * out[2]) / size);
+      found.inwards = std::min(found.inwards, dot(n, out) / size);
     }
   }
   found.closed = std::ranges::all_of(sides, [](const auto& side) { return side.second == 2; });
@@ -99,7 +92,7 @@ TEST_CASE("the surface of a ball is closed and turned outwards, its area converg
   const std::vector<scene::Expression> centre =
       dim == 2 ? std::vector<scene::Expression>{0.1, 0.2} : std::vector<scene::Expression>{0.1, 0.2, -0.3};
   const contact::Obstacle ball = made(scene::Ball{centre, 0.5, side}, dim);
-  const double exact = dim == 2 ? std::numbers::pi : std::numbers::pi; // 2πr and 4πr² of r = 1/2
+  constexpr double exact = std::numbers::pi; // 2πr as 4πr² of r = 1/2
   std::vector<double> errors;
   for (const int cells : {16, 64}) {
     const auto surface = surface_within(ball, ball.place(0), dim, of(dim), cells);
