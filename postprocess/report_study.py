@@ -24,6 +24,7 @@ def page(study: StudyFolder) -> Page:
         sections = [Section("precision", "What accuracy costs", charts=[work_precision(study)], texts=list(given["sentences"])),
                     Section("orders", "Observed orders", tables=[orders(study)]),
                     Section("values", "Values and errors", tables=[values(study, name) for name in given["quantities"]]),
+                    *([Section("searches", "What the optimizer's accuracy costs", tables=[searches(study)])] if study.searches else []),
                     Section("rungs", "All rungs", tables=[rungs(study)])]  # fmt: skip
         return Page(str(given["scene"]), "study", f"study of {given['scene']} with {len(study.rungs)} rungs", facts, sections, [])
     except KeyError as error:
@@ -124,6 +125,13 @@ def rungs(study: StudyFolder) -> Table:
     rows = [[rung.name, f"{rung['size']:g}", rung.step, str(rung.method), whole(rung["unknowns"]), whole(rung["steps"]),
              digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)] for rung in study.rungs]  # fmt: skip
     return Table("What each rung took", head, rows)
+
+
+def searches(study: StudyFolder) -> Table:
+    head = ["Tolerance", "Sweeps, forward + adjoint", "Time (s)", "J", "Above the least", "Ends"]
+    rows = [[f"{search['tolerance']:g}", f"{whole(search['forward_sweeps'])} + {whole(search['adjoint_sweeps'])}", digits(search["seconds"]), digits(search["J"], 8),
+             digits(search["J_above_least"], 2), search.stop_reason] for search in study.searches]  # fmt: skip
+    return Table("Searches of the optimum on the scene's own mesh and steps, by optimizer.tolerance; J above the least value found, relative to it", head, rows)
 
 
 def digits(value: float | None, count: int = 3) -> str:

@@ -4,13 +4,19 @@
 import csv
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 from .run_folder import Unreadable, whole_text
 
+OF_SEARCHES = ["tolerance", "J", "J_above_least", "iterations", "forward_sweeps", "adjoint_sweeps", "seconds"]
 NUMBERS = ["size", "step", "degree", "unknowns", "steps", "seconds", "memory_bytes", "tolerance"]
+
+
+Row = TypeVar("Row")
 
 
 def is_study(folder: Path) -> bool:
@@ -50,6 +56,17 @@ class Rung:
         return self.numbers[column]
 
 
+@dataclass(frozen=True)
+class Search:
+    """A search of the optimum to one tolerance: its numbers by column (NaN where a cell is empty), and why it ended."""
+
+    numbers: dict[str, float]
+    stop_reason: str
+
+    def __getitem__(self, column: str) -> float:
+        return self.numbers[column]
+
+
 class StudyFolder:
     """The folder of one study. Raises Unreadable where a file is damaged."""
 
@@ -68,18 +85,27 @@ class StudyFolder:
     @cached_property
     def rungs(self) -> list[Rung]:
         """study.csv."""
-        file = self.path / "study.csv"
         parts = ("", "_error", "_estimate", "_effectivity", "_pareto", "_envelope")
         columns = NUMBERS + [f"{name}{part}" for name in self.manifest["quantities"] for part in parts]
+        return self.rows("study.csv", self.manifest["rungs"], lambda row: rung_of(row, columns))
+
+    @cached_property
+    def searches(self) -> list[Search]:
+        """search.csv; empty if the study has no searches."""
+        count = self.manifest["searches"]
+        return self.rows("search.csv", count, lambda row: Search({name: number(row[name]) for name in OF_SEARCHES}, row["stop_reason"])) if count else []
+
+    def rows(self, name: str, count: int, read: Callable[[dict[str, str]], Row]) -> list[Row]:
+        """The rows of a table, of which study.json gives the number."""
+        file = self.path / name
         try:
-            rows = [rung_of(row, columns) for row in csv.DictReader(whole_text(file).splitlines())]
+            rows = [read(row) for row in csv.DictReader(whole_text(file).splitlines())]
         except KeyError as error:
             raise Unreadable(f"{file}: there is no column {error.args[0]}") from None
         except (OSError, ValueError, TypeError, csv.Error) as error:
             raise Unreadable(f"{file}: cannot be read ({error})") from None
-        told = self.manifest["rungs"]
-        if not rows or len(rows) != told:
-            raise Unreadable(f"{file}: found {len(rows)} rows, allowed are the {told or 'several'} that study.json tells of")
+        if not rows or len(rows) != count:
+            raise Unreadable(f"{file}: {len(rows)} rows, but study.json counts {count}; run the study again")
         return rows
 
     @property

@@ -21,6 +21,7 @@ constexpr const char *scene_part = "scene", *program = "program", *ranks_part = 
                      *desired_run = "run that objective.desired.run names",
                      *series = "content of a time series",
                      *first_guess = "run that control.initial.run names", *forms = "set of compiled forms",
+                     *search_method = "method of the search",
                      *sample_points = "set of points where fields are compared";
 
 std::string content(const std::filesystem::path& file) {
@@ -110,6 +111,14 @@ Fingerprint Origin::of(const Rung& rung) const {
   if (rung.graded)
     all[mesh_file] = mesh_digest(scene_.mesh.graded);
   all[forms] = fem::signature(dim_, rung.degree);
+  return all;
+}
+
+Fingerprint Origin::of_search() const {
+  Fingerprint all = of(own_rung(scene_));
+  const scene::Optimizer& search = scene_.optimizer;
+  all[search_method] = fmt::format("{} from {}, {} iterations, {} bytes", scene::name(search.method),
+                                   scene::name(*search.start), search.max_iterations, search.memory);
   return all;
 }
 

@@ -17,6 +17,8 @@ public:
   Origin(const scene::Scene& scene, const Samples& samples, int ranks);
 
   [[nodiscard]] Fingerprint of(const Rung& rung) const;
+  /// That of a search on the scene's own rung.
+  [[nodiscard]] Fingerprint of_search() const;
 
 private:
   const scene::Scene& scene_;

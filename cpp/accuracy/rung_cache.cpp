@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* rungs_folder = "rungs";
-const io::FolderLock::Names file_names{"study.csv", "study.json", rungs_folder};
+const io::FolderLock::Names file_names{"study.csv", "study.json", "search.csv", rungs_folder};
 
 Json packed(const std::vector<double>& values) {
   std::vector<std::uint8_t> bytes(values.size() * sizeof(double));
@@ -68,6 +68,23 @@ Measured from_json(const Json& json) {
   return measured;
 }
 
+Json to_json(const SearchCost& search) {
+  return {{"tolerance", search.tolerance},           {"J", search.objective},
+          {"iterations", search.iterations},         {"forward_sweeps", search.forward_sweeps},
+          {"adjoint_sweeps", search.adjoint_sweeps}, {"seconds", search.seconds},
+          {"stop_reason", search.stop_reason}};
+}
+
+SearchCost search_from(const Json& json) {
+  return {.tolerance = json.at("tolerance"),
+          .objective = json.at("J"),
+          .iterations = json.at("iterations"),
+          .forward_sweeps = json.at("forward_sweeps"),
+          .adjoint_sweeps = json.at("adjoint_sweeps"),
+          .seconds = json.at("seconds"),
+          .stop_reason = json.at("stop_reason")};
+}
+
 std::string digest_of(const std::vector<std::uint8_t>& bytes) {
   return Digest().add({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).text();
 }
@@ -89,6 +106,33 @@ void replace(const std::filesystem::path& file, const char* data, std::size_t si
     throw UserError(
         fmt::format("--out: {} cannot be written, allowed is a folder that can be", file.string()));
   }
+}
+
+/// What was kept in a file by store_kept(); empty, and in `unfit` why if there is a file, where it is damaged
+/// or of another fingerprint. Throws Json::exception.
+std::optional<Json> load_kept(const std::filesystem::path& file, const Fingerprint& fingerprint,
+                              std::string& unfit) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    return std::nullopt;
+  const Json whole = Json::from_cbor(in);
+  const auto& bytes = whole.at("rung").get_binary();
+  if (whole.at("digest") != digest_of(bytes)) {
+    unfit = damaged;
+    return std::nullopt;
+  }
+  Json json = Json::from_cbor(bytes);
+  unfit = accuracy::difference(json.at("fingerprint").get<Fingerprint>(), fingerprint);
+  return unfit.empty() ? std::optional(std::move(json)) : std::nullopt;
+}
+
+void store_kept(const std::filesystem::path& file, Json json, const Fingerprint& fingerprint) {
+  json["fingerprint"] = fingerprint;
+  std::vector<std::uint8_t> inner = Json::to_cbor(json);
+  const std::string digest = digest_of(inner);
+  const std::vector<std::uint8_t> bytes =
+      Json::to_cbor(Json{{"digest", digest}, {"rung", Json::binary(std::move(inner))}});
+  replace(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
 /// A number as text for a table; empty if it is absent or not finite.
@@ -140,21 +184,18 @@ std::filesystem::path RungCache::file(const Rung& rung) const {
                      rung.degree, scene::name(rung.scheme));
 }
 
+std::filesystem::path RungCache::file(double tolerance) const {
+  return folder_ / rungs_folder / fmt::format("search-to-{:.10g}.cbor", tolerance);
+}
+
 CachedRung RungCache::load(const Rung& rung, const Fingerprint& fingerprint,
                            const std::vector<Quantity>& wanted) const {
-  std::ifstream in(file(rung), std::ios::binary);
-  if (!in)
-    return {};
   try {
-    const Json whole = Json::from_cbor(in);
-    const auto& bytes = whole.at("rung").get_binary();
-    if (whole.at("digest") != digest_of(bytes))
-      return {std::nullopt, damaged};
-    const Json json = Json::from_cbor(bytes);
-    if (const std::string other = difference(json.at("fingerprint").get<Fingerprint>(), fingerprint);
-        !other.empty())
-      return {std::nullopt, other};
-    Measured measured = from_json(json);
+    std::string unfit;
+    const std::optional<Json> json = load_kept(file(rung), fingerprint, unfit);
+    if (!json)
+      return {std::nullopt, unfit};
+    Measured measured = from_json(*json);
     for (const Quantity& quantity : wanted)
       if (!(quantity.field ? measured.fields.contains(quantity.name)
                            : measured.numbers.contains(quantity.name)))
@@ -166,17 +207,32 @@ CachedRung RungCache::load(const Rung& rung, const Fingerprint& fingerprint,
 }
 
 void RungCache::save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const {
-  Json json = to_json(measured);
-  json["fingerprint"] = fingerprint;
-  std::vector<std::uint8_t> inner = Json::to_cbor(json);
-  const std::string digest = digest_of(inner);
-  const std::vector<std::uint8_t> bytes =
-      Json::to_cbor(Json{{"digest", digest}, {"rung", Json::binary(std::move(inner))}});
-  replace(file(rung), reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  store_kept(file(rung), to_json(measured), fingerprint);
+}
+
+CachedSearch RungCache::load(double tolerance, const Fingerprint& fingerprint) const {
+  try {
+    std::string unfit;
+    const std::optional<Json> json = load_kept(file(tolerance), fingerprint, unfit);
+    if (!json)
+      return {std::nullopt, unfit};
+    return {search_from(*json), ""};
+  } catch (const Json::exception&) {
+    return {std::nullopt, damaged};
+  }
+}
+
+void RungCache::save(const SearchCost& search, const Fingerprint& fingerprint) const {
+  store_kept(file(search.tolerance), to_json(search), fingerprint);
 }
 
 void RungCache::write(const std::string& name, const std::string& text) const {
   replace(folder_ / name, text.data(), text.size());
+}
+
+void RungCache::remove(const std::string& name) const {
+  std::error_code absent;
+  std::filesystem::remove(folder_ / name, absent);
 }
 
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
@@ -217,7 +273,7 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
   return text;
 }
 
-std::string json(const scene::Scene& scene, const std::vector<Result>& results,
+std::string json(const scene::Scene& scene, const std::vector<Result>& results, std::size_t searches,
                  const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences) {
   nlohmann::ordered_json json;
@@ -232,6 +288,7 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
   json["files"] = file_names;
   json["rungs"] =
       std::ranges::count_if(results, [](const Result& result) { return result.measured.has_value(); });
+  json["searches"] = searches;
   json["warnings"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < results.size(); ++i)
     if (results[i].measured)

@@ -2,6 +2,7 @@
 #pragma once
 #include "accuracy/analysis.h"
 #include "accuracy/fingerprint.h"
+#include "accuracy/search_costs.h"
 #include "io/folder_lock.h"
 #include <filesystem>
 
@@ -13,8 +14,15 @@ struct CachedRung {
   std::string unfit;                ///< why its file cannot be used; empty if there is none
 };
 
-/// The folder of a study: one file for each rung that has run, from which a later study of the same scene
-/// continues, and the tables of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
+/// Likewise, of a search.
+struct CachedSearch {
+  std::optional<SearchCost> cost;
+  std::string unfit;
+};
+
+/// The folder of a study: one file for each rung and search that has run, from which a later study of the
+/// same scene continues, and the tables of all of them. Used on rank 0. Files are replaced as a whole. Throws
+/// UserError.
 class RungCache {
 public:
   /// Creates the folder and locks it for this study.
@@ -26,11 +34,18 @@ public:
                                 const std::vector<Quantity>& wanted) const;
   void save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const;
 
+  /// The result of a search to this tolerance, if its file is intact and has the same fingerprint.
+  [[nodiscard]] CachedSearch load(double tolerance, const Fingerprint& fingerprint) const;
+  void save(const SearchCost& search, const Fingerprint& fingerprint) const;
+
   /// Writes a text file.
   void write(const std::string& name, const std::string& text) const;
+  /// Removes one, if it is there.
+  void remove(const std::string& name) const;
 
 private:
   [[nodiscard]] std::filesystem::path file(const Rung& rung) const;
+  [[nodiscard]] std::filesystem::path file(double tolerance) const;
   std::filesystem::path folder_;
   io::FolderLock lock_;
 };
@@ -38,8 +53,8 @@ private:
 /// study.csv: a row for each rung that has run.
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end);
 
-/// study.json: the scene, quantities, orders and sentences.
-std::string json(const scene::Scene& scene, const std::vector<Result>& results,
+/// study.json: the scene, quantities, orders and sentences, and the number of searches.
+std::string json(const scene::Scene& scene, const std::vector<Result>& results, std::size_t searches,
                  const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences);
 

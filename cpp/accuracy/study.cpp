@@ -3,22 +3,17 @@
 #include "accuracy/grading.h"
 #include "accuracy/quantities.h"
 #include "accuracy/rung_costs.h"
+#include "accuracy/search_costs.h"
 #include "accuracy/summary.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace signorini::accuracy {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string duration(double seconds) {
   if (seconds < 100)
@@ -27,7 +22,7 @@ std::string duration(double seconds) {
 }
 
 void show_prices(const Console& console, const std::vector<Rung>& rungs, const RungCosts& prices,
-                 const scene::Scene& scene) {
+                 std::size_t searches, const scene::Scene& scene) {
   double all = 0;
   console.line(fmt::format("{:>5} {:>12} {:>10}  {}", "rung", "unknowns", "about", ""));
   for (std::size_t i = 0; i < rungs.size(); ++i) {
@@ -36,6 +31,9 @@ void show_prices(const Console& console, const std::vector<Rung>& rungs, const R
                              duration(prices.seconds(rungs[i])), words(rungs[i], scene)));
   }
   console.line(fmt::format("all {}: about {}", rungs.size(), duration(all)));
+  if (searches > 0)
+    console.line(fmt::format("and {} search{}: the number of sweeps is not known in advance", searches,
+                             searches > 1 ? "es" : ""));
 }
 
 bool on_all(MPI_Comm comm, bool root_says) {
@@ -44,14 +42,15 @@ bool on_all(MPI_Comm comm, bool root_says) {
   return flag != 0;
 }
 
-/// A study under way: its rungs from cheap to dear, and what is known of them.
+/// A study under way: its rungs from cheap to dear and its searches, and what is known of them.
 class Study {
 public:
   Study(MPI_Comm comm, const scene::Scene& scene, const Options& options, const std::vector<Quantity>& wanted,
         const Samples& samples, const std::optional<RungCache>& store, std::optional<RungCosts>& price,
-        const Console& console)
+        const Elapsed& elapsed, const Console& console)
       : comm_(comm), scene_(scene), options_(options), wanted_(wanted), samples_(samples), store_(store),
-        price_(price), console_(console), root_(rank(comm) == 0), exact_(exact_values(scene, samples)) {}
+        price_(price), elapsed_(elapsed), console_(console), root_(rank(comm) == 0),
+        exact_(exact_values(scene, samples)) {}
 
   /// Takes what the folder has of the rungs. All, for errors refer to the finest, however early the study
   /// ends.
@@ -70,38 +69,79 @@ public:
   }
 
   /// Runs the others, as far as the budget goes. Returns the exit status.
-  int run(Clock::time_point start) {
+  int run() {
     for (std::size_t i = 0; i < results_.size(); ++i) {
       const Rung& rung = results_[i].rung;
       if (on_all(comm_, results_[i].measured.has_value()))
         continue;
-      if (on_all(comm_, options_.budget && seconds_since(start) + price_->seconds(rung) > *options_.budget)) {
+      const double so_far = elapsed_.seconds();
+      if (on_all(comm_, options_.budget && so_far + price_->seconds(rung) > *options_.budget)) {
         left_ = i;
         return 0;
       }
       if (!unfit_[i].empty())
         console_.line(fmt::format("rung {} of {} runs again: {}", i + 1, results_.size(), unfit_[i]));
-      const auto began = Clock::now();
       try {
         results_[i].measured =
             measure(comm_, on_rung(scene_, rung), samples_, wanted_, scene_.objective.has_value());
       } catch (const Interrupted&) {
-        constexpr int interrupted = 130;
-        return interrupted;
+        return exit_status::interrupted;
       } catch (const std::exception&) { // perhaps on one rank alone
         if (root_ && ran_ + kept_ > 0)
-          Summary(scene_, wanted_, results_, exact_).write(*store_);
+          summary().write(*store_);
         throw;
       }
       if (price_)
-        price_->learn(rung, seconds_since(began));
+        price_->learn(rung, elapsed_.seconds() - so_far);
       ++ran_;
       on_root(comm_, [&] { store_->save(rung, origin_->of(rung), *results_[i].measured); });
       console_.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results_.size(),
                                 words(rung, scene_), results_[i].measured->unknowns,
-                                results_[i].measured->seconds, duration(seconds_since(start))));
+                                results_[i].measured->seconds, duration(elapsed_.seconds())));
     }
     return 0;
+  }
+
+  /// Searches the optimum to each tolerance, as far as the budget goes. Returns the exit status.
+  int search() {
+    const std::vector<double>& tolerances = options_.search_tolerances;
+    if (left_ || tolerances.empty())
+      return 0;
+    if (options_.budget)
+      stop_after(*options_.budget - elapsed_.seconds());
+    int status = 0;
+    try {
+      for (std::size_t i = 0; i < tolerances.size(); ++i) {
+        CachedSearch found;
+        if (root_)
+          found = store_->load(tolerances[i], origin_->of_search());
+        if (!on_all(comm_, found.cost.has_value())) {
+          if (!found.unfit.empty())
+            console_.line(
+                fmt::format("search {} of {} runs again: {}", i + 1, tolerances.size(), found.unfit));
+          found.cost = search_to(comm_, scene_, tolerances[i]);
+          on_root(comm_, [&] { store_->save(*found.cost, origin_->of_search()); });
+          console_.line(fmt::format("search {} of {}: tolerance {:.3g}: {} + {} sweeps, {:.3g} s; {} so far",
+                                    i + 1, tolerances.size(), tolerances[i], found.cost->forward_sweeps,
+                                    found.cost->adjoint_sweeps, found.cost->seconds,
+                                    duration(elapsed_.seconds())));
+        }
+        if (root_)
+          searches_.push_back(*std::move(found.cost));
+      }
+    } catch (const Interrupted&) {
+      if (time_is_up(comm_))
+        searches_left_ = true;
+      else
+        status = exit_status::interrupted;
+    } catch (const std::exception&) {
+      if (root_)
+        summary().write(*store_);
+      throw;
+    }
+    if (options_.budget)
+      forget_deadline();
+    return status;
   }
 
   /// Writes and shows what came out.
@@ -111,9 +151,9 @@ public:
       return;
     }
     on_root(comm_, [&] {
-      const Summary summary(scene_, wanted_, results_, exact_);
-      summary.write(*store_);
-      summary.show(console_);
+      const Summary all = summary();
+      all.write(*store_);
+      all.show(console_);
     });
     if (kept_ > 0)
       console_.line(fmt::format("{} of {} rungs were there already", kept_, results_.size()));
@@ -122,10 +162,15 @@ public:
           "the budget ends before rung {} of {}, which would take about {}; the same command with "
           "a larger --budget goes on from here",
           *left_ + 1, results_.size(), duration(price_->seconds(results_[*left_].rung))));
+    if (searches_left_ || (left_ && !options_.search_tolerances.empty()))
+      console_.line("the budget ends before the last search; the same command with a larger --budget "
+                    "continues from here");
     console_.line(fmt::format("results in {}", out.string()));
   }
 
 private:
+  [[nodiscard]] Summary summary() const { return {scene_, wanted_, results_, searches_, exact_}; }
+
   MPI_Comm comm_;
   const scene::Scene& scene_;
   const Options& options_;
@@ -133,6 +178,7 @@ private:
   const Samples& samples_;
   const std::optional<RungCache>& store_; ///< on rank 0
   std::optional<RungCosts>& price_;
+  const Elapsed& elapsed_;
   const Console& console_;
   bool root_;
   Exact exact_;
@@ -140,14 +186,18 @@ private:
   std::vector<Result> results_;
   std::vector<std::string> unfit_; ///< why the folder's result of a rung is not taken
   int ran_ = 0, kept_ = 0;
-  std::optional<std::size_t> left_; ///< the rung before which the budget ends
+  std::optional<std::size_t> left_;  ///< the rung before which the budget ends
+  std::vector<SearchCost> searches_; ///< on rank 0
+  bool searches_left_ = false;       ///< whether the budget ends before the last search
 };
 
 } // namespace
 
 int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::path& out,
               const Options& options, const Console& console) {
-  const auto start = Clock::now();
+  const Elapsed elapsed(comm);
+  if (!options.search_tolerances.empty())
+    require_searches(given, options.search_tolerances);
   (void)chosen(given, options.quantities, 2); // a wrong name before any mesh is read
   scene::Scene scene = given;
   std::vector<Rung> rungs = all_rungs(scene, options.choice);
@@ -164,7 +214,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   const Samples samples(comm, scene);
   const std::vector<Quantity> wanted = chosen(scene, options.quantities, samples.dim);
   std::optional<RungCosts> prices;
-  Study study(comm, scene, options, wanted, samples, store, prices, console);
+  Study study(comm, scene, options, wanted, samples, store, prices, elapsed, console);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
   if (!options.dry_run)
     study.load(rungs);                     // before the first solver: Origin
@@ -175,10 +225,12 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
     prices = price(comm, scene, priced, samples, wanted, scene.objective.has_value());
   }
   if (options.dry_run) {
-    show_prices(console, rungs, *prices, scene);
+    show_prices(console, rungs, *prices, options.search_tolerances.size(), scene);
     return 0;
   }
-  const int status = study.run(start);
+  int status = study.run();
+  if (status == 0)
+    status = study.search();
   study.conclude(out);
   return status;
 }

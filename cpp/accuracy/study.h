@@ -9,15 +9,17 @@ namespace signorini::accuracy {
 
 struct Options {
   Choice choice;
-  std::vector<std::string> quantities; ///< names; empty: all that the scene has but the gradient
-  std::optional<double> budget;        ///< s
-  bool dry_run = false;                ///< price the ladder and stop
+  std::vector<std::string> quantities;   ///< names; empty: all that the scene has but the gradient
+  std::vector<double> search_tolerances; ///< of the searches that are made after the ladder
+  std::optional<double> budget;          ///< s
+  bool dry_run = false;                  ///< price the ladder and stop
 };
 
 /// Runs the ladder in the order of cost and leaves study.csv, study.json and a file for each rung in `out`.
-/// Rungs that are already there are not run again. With a budget it stops before a rung that would not end
-/// within it. Returns the exit status: 130 if interrupted, with the results so far kept. Collective. Throws
-/// UserError, SolverFailure.
+/// Rungs that are already there are not run again. With search_tolerances it then searches the optimum of the
+/// scene to each, and search.csv says what that takes and leaves. With a budget it stops before a rung that
+/// would not end within it. Returns the exit status: 130 if interrupted, with the results so far kept.
+/// Collective. Throws UserError, SolverFailure.
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
               const Options& options, const Console& console);
 

@@ -23,6 +23,18 @@ std::string shown(const std::optional<Order>& order) {
                     : fmt::format("none ({:.1f} to {:.1f})", least, largest);
 }
 
+/// The error of J on the scene's own rung, by its estimate, else against the reference; empty if neither is
+/// known.
+std::optional<double> own_error(const std::vector<Errors>& errors, const std::vector<Result>& results,
+                                const scene::Scene& scene) {
+  const auto J = std::ranges::find(errors, "J", [](const Errors& one) { return one.quantity.name; });
+  const auto own = std::ranges::find(results, own_rung(scene), &Result::rung);
+  if (J == errors.end() || own == results.end())
+    return std::nullopt;
+  const auto i = static_cast<std::size_t>(own - results.begin());
+  return J->estimate[i] ? J->estimate[i] : J->error[i];
+}
+
 /// What errors of a quantity are taken against.
 std::string against(const Errors& errors) {
   if (errors.exact)
@@ -34,21 +46,29 @@ std::string against(const Errors& errors) {
 } // namespace
 
 Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
-                 const std::vector<Result>& results, const Exact& exact)
-    : scene_(scene), results_(results) {
+                 const std::vector<Result>& results, const std::vector<SearchCost>& searches,
+                 const Exact& exact)
+    : scene_(scene), results_(results), searches_(searches) {
   for (const Quantity& quantity : wanted) {
     errors_.push_back(errors(quantity, results, exact));
     std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
     std::ranges::move(sentences(errors_.back(), results, scene), std::back_inserter(sentences_));
   }
+  if (const std::optional<double> error = own_error(errors_, results, scene); error && !searches.empty())
+    sentences_.push_back(sentence(searches, *error));
   std::ranges::stable_sort(orders_, {}, [](const Orders& one) {
     return std::tuple(one.degree, one.scheme, one.chosen, one.graded);
   });
 }
 
 void Summary::write(const RungCache& store) const {
+  constexpr const char* of_searches = "search.csv";
+  if (searches_.empty())
+    store.remove(of_searches);
+  else
+    store.write(of_searches, csv(searches_));
   store.write("study.csv", csv(results_, errors_, scene_.time.end));
-  store.write("study.json", json(scene_, results_, errors_, orders_, sentences_));
+  store.write("study.json", json(scene_, results_, searches_.size(), errors_, orders_, sentences_));
 }
 
 void Summary::show(const Console& console) const {
@@ -59,6 +79,7 @@ void Summary::show(const Console& console) const {
   if (std::ranges::any_of(results_, [](const Result& result) { return result.rung.graded; }))
     console.line("~: sizes that vary with the error, as many elements as of that size");
   show_orders(console);
+  show_searches(console);
   show_warnings(console);
   console.line("");
   for (const std::string& sentence : sentences_)
@@ -86,6 +107,14 @@ void Summary::show_rungs(const Console& console) const {
                                size(results_[i]), step(results_[i]), rung.degree, scene::name(rung.scheme),
                                run->unknowns, run->seconds, run->memory / 1e6));
   }
+}
+
+void Summary::show_searches(const Console& console) const {
+  if (searches_.empty())
+    return;
+  console.line(fmt::format("\nthe optimizer's accuracy at {}: sweeps, and J above the least found, relative",
+                           words(own_rung(scene_), scene_)));
+  console.line(table(searches_));
 }
 
 void Summary::show_warnings(const Console& console) const {

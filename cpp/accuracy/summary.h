@@ -12,7 +12,7 @@ class Summary {
 public:
   /// The references must outlive this object.
   Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results,
-          const Exact& exact);
+          const std::vector<SearchCost>& searches, const Exact& exact);
 
   void write(const RungCache& store) const;
   void show(const Console& console) const;
@@ -26,9 +26,11 @@ private:
   void show_warnings(const Console& console) const;
   void show_errors(const Errors& errors, const Console& console) const;
   void show_orders(const Console& console) const;
+  void show_searches(const Console& console) const;
 
   const scene::Scene& scene_;
   const std::vector<Result>& results_;
+  const std::vector<SearchCost>& searches_;
   std::vector<Errors> errors_;
   std::vector<Orders> orders_;
   std::vector<std::string> sentences_;

@@ -98,6 +98,8 @@ void add_study_options(CLI::App& app, Request& request) {
        "of contact-implicit,contact-stabilized,massless (default: the scene's)");
   list("--quantity", request.study.quantities,
        "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
+  list("--search-tolerances", request.study.search_tolerances,
+       "also search the scene's optimum with each optimizer.tolerance, such as 1e-3,1e-4,1e-5");
   app.add_option(
          "--budget", request.study.budget,
          "stop before a rung that would end later, such as 90s, 10min or 2h (default of --suggest: 10min)")
@@ -105,7 +107,8 @@ void add_study_options(CLI::App& app, Request& request) {
   app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
   app.add_option("--suggest", request.suggest,
                  "instead: a size and a step for this relative error, such as 1e-2, of --quantity, or of J")
-      ->check(CLI::Range(1e-12, 1.0));
+      ->check(CLI::Range(1e-12, 1.0))
+      ->excludes("--search-tolerances");
 }
 
 /// Adds --accuracy, which is returned, and what goes with it.

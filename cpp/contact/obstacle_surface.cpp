@@ -204,18 +204,6 @@ Box Box::empty(int dim) {
   return box;
 }
 
-void Box::include(const std::array<double, 3>& x) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    low[c] = std::min(low[c], x[c]);
-    high[c] = std::max(high[c], x[c]);
-  }
-}
-
-void Box::include(const Box& other) {
-  include(other.low);
-  include(other.high);
-}
-
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells) {
   const auto components = static_cast<std::size_t>(dim);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/obstacle.h"
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -15,8 +16,16 @@ struct Box {
   [[nodiscard]] static Box empty(int dim);
   [[nodiscard]] double longest_side() const;
   /// Extends the box to hold a point, or `other`.
-  void include(const std::array<double, 3>& x);
-  void include(const Box& other);
+  void include(const std::array<double, 3>& x) { // of every node at every stored time
+    for (std::size_t c = 0; c < 3; ++c) {
+      low[c] = std::min(low[c], x[c]);
+      high[c] = std::max(high[c], x[c]);
+    }
+  }
+  void include(const Box& other) {
+    include(other.low);
+    include(other.high);
+  }
 };
 
 /// A part of an obstacle's surface: line segments in the plane, with the obstacle to their right; triangles

@@ -29,19 +29,19 @@ void add_steps_row(std::string& text, int k, double time, int dim, const diagnos
                    const diagnostics::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error) {
   auto out = std::back_inserter(text);
-  fmt::format_to(out, "{},{:.10g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6e},", k, time,
-                 balance.kinetic_energy, balance.elastic_energy, balance.viscous_dissipation,
-                 balance.external_work, balance.contact_work, balance.energy_residual);
+  fmt::format_to(out, "{},{:.10g},{},{},{},{},{},{:.6e},", k, time, balance.kinetic_energy,
+                 balance.elastic_energy, balance.viscous_dissipation, balance.external_work,
+                 balance.contact_work, balance.energy_residual);
   for (int c = 0; c < dim; ++c)
-    fmt::format_to(out, "{:.17g},", balance.contact_force[static_cast<std::size_t>(c)]);
+    fmt::format_to(out, "{},", balance.contact_force[static_cast<std::size_t>(c)]);
   const int weak = contact.count(contact::Status::weak);
   const double least =
       contact.gap.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::min(contact.normal_gap());
-  fmt::format_to(out, "{},{},{:.17g},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak,
-                 least, contact.vi_iterations, invariants.momentum(), invariants.complementarity());
+  fmt::format_to(out, "{},{},{},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak, least,
+                 contact.vi_iterations, invariants.momentum(), invariants.complementarity());
   if (tracking_error)
-    fmt::format_to(out, ",{:.17g}", *tracking_error);
-  fmt::format_to(out, ",{:.17g},{:.17g}\n", normal_force, balance.load_work);
+    fmt::format_to(out, ",{}", *tracking_error);
+  fmt::format_to(out, ",{},{}\n", normal_force, balance.load_work);
 }
 
 void History::add(const Row& row) {
@@ -70,8 +70,7 @@ std::string History::text(std::size_t row) const {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const double value = numbers[row * columns.size() + c];
     const char* end = c + 1 == columns.size() ? "\n" : ",";
-    line +=
-        columns[c] == "seconds" ? fmt::format("{:.3f}{}", value, end) : fmt::format("{:.17g}{}", value, end);
+    line += columns[c] == "seconds" ? fmt::format("{:.3f}{}", value, end) : fmt::format("{}{}", value, end);
   }
   return line;
 }
@@ -97,8 +96,8 @@ void add_obstacle_rows(std::string& text, int k, double time, int dim,
     const diagnostics::ObstacleForce& one = forces.each()[o];
     fmt::format_to(out, "{},{:.10g},{}", k, time, contacts[o].name);
     for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
-      fmt::format_to(out, ",{:.17g}", one.force[c]);
-    fmt::format_to(out, ",{:.17g},{},{:.17g}\n", one.normal_force, one.active, one.min_gap);
+      fmt::format_to(out, ",{}", one.force[c]);
+    fmt::format_to(out, ",{},{},{}\n", one.normal_force, one.active, one.min_gap);
   }
 }
 
@@ -113,7 +112,7 @@ void add_probes_row(std::string& text, int k, double time, std::span<const doubl
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{},{:.10g}", k, time);
   for (const double value : values)
-    fmt::format_to(out, ",{:.17g}", value);
+    fmt::format_to(out, ",{}", value);
   text += '\n';
 }
 

@@ -105,9 +105,9 @@ std::string data_table(const std::vector<double>& times, const std::vector<std::
     text += name.find_first_of(",;\t") == std::string::npos ? "," + name : ",\"" + name + '"';
   text += '\n';
   for (std::size_t k = 0; k < times.size(); ++k) {
-    fmt::format_to(std::back_inserter(text), "{:.17g}", times[k]);
+    fmt::format_to(std::back_inserter(text), "{}", times[k]);
     for (const std::vector<double>& column : columns)
-      fmt::format_to(std::back_inserter(text), ",{:.17g}", column[k]);
+      fmt::format_to(std::back_inserter(text), ",{}", column[k]);
     text += '\n';
   }
   return text;
@@ -116,10 +116,9 @@ std::string data_table(const std::vector<double>& times, const std::vector<std::
 std::string parameters_table(const Fit& fit) {
   std::string text = "name,of,unit,value,standard_deviation,start,lower,upper,scale,at_bound,gradient\n";
   for (const FittedUnknown& one : fit.unknowns)
-    fmt::format_to(std::back_inserter(text),
-                   "{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.17g}\n", one.name, one.of,
-                   one.unit, one.value, one.deviation, one.start, one.lower, one.upper, one.scale,
-                   one.at_bound ? 1 : 0, one.gradient);
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{}\n", one.name, one.of, one.unit,
+                   one.value, one.deviation, one.start, one.lower, one.upper, one.scale, one.at_bound ? 1 : 0,
+                   one.gradient);
   return text;
 }
 
@@ -127,8 +126,8 @@ std::string measurements_table(const Fit& fit) {
   std::string text = "measurement,time,value,deviation,simulated,residual\n";
   for (const Comparison& one : fit.measurements)
     for (std::size_t k = 0; k < one.times.size(); ++k)
-      fmt::format_to(std::back_inserter(text), "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", one.name,
-                     one.times[k], one.data[k], one.deviations[k], one.simulated[k],
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{}\n", one.name, one.times[k], one.data[k],
+                     one.deviations[k], one.simulated[k],
                      (one.simulated[k] - one.data[k]) / one.deviations[k]);
   return text;
 }

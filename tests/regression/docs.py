@@ -96,7 +96,7 @@ def runs(folder: Path) -> list[Path]:
         run("optimize", joint, folder / "joint"),
         run("optimize", disc, folder / "ordered", "--accuracy", "0.2", *sets(mesh__size=1)),
         run("optimize", ball, folder / "ordered-ball", "--accuracy", "0.5", *sets(time__step=5e-4)),
-        run("study", disc, folder / "study", "--sizes", "8,4", "--steps", "5e-4", "--quantity", "J,impulse"),
+        run("study", disc, folder / "study", "--sizes", "8,4", "--steps", "5e-4", "--quantity", "J,impulse", "--search-tolerances", "0.5"),
     ]
 
 

@@ -111,6 +111,7 @@ def read_study(driver: Chrome, page: Path) -> None:
     assert reader.ask("document.querySelectorAll('#rungs tbody tr').length") == 18
     assert reader.ask("document.querySelectorAll('#values table').length") == 2  # J and impulse
     assert reader.ask("document.querySelectorAll('#values tbody tr').length") == 2 * 18
+    assert reader.ask("document.querySelectorAll('#searches tbody tr').length") == 2
     reader.close()
     narrow(driver, page)
 
@@ -118,7 +119,7 @@ def read_study(driver: Chrome, page: Path) -> None:
 def write_study(folder: Path) -> Path:
     """Three rungs in size and two in time of each scheme."""
     subprocess.run([SIGNORINI, "study", HALF_DISC, "--out", folder, "--quiet", "--sizes", "3,2,1.5", "--steps", "2.5e-4,1.25e-4", "--schemes",
-                    "contact-implicit,contact-stabilized,massless", "--quantity", "J,impulse"], check=True)  # fmt: skip
+                    "contact-implicit,contact-stabilized,massless", "--quantity", "J,impulse", "--search-tolerances", "0.5,0.1"], check=True)  # fmt: skip
     return folder
 
 
@@ -147,12 +148,13 @@ def cut_anywhere(folder: Path, study: Path) -> None:
     shutil.copytree(study, folder / "few")
     run = lambda read: lambda: read(RunFolder(out))  # noqa: E731
     rungs = lambda: StudyFolder(folder / "few").rungs  # noqa: E731
+    searches = lambda: StudyFolder(folder / "few").searches  # noqa: E731
     readers = {"steps.csv": run(lambda run: run.steps), "contact.csv": run(lambda run: run.contact), "history.csv": run(lambda run: run.history),
                "scene.toml": run(lambda run: run.scene), "run.json": run(lambda run: run.manifest),
-               "state.xdmf": run(lambda run: run.field("state.xdmf", "velocity")), "study.csv": rungs, "study.json": rungs,
+               "state.xdmf": run(lambda run: run.field("state.xdmf", "velocity")), "study.csv": rungs, "study.json": rungs, "search.csv": searches,
                "state.h5": run(lambda run: run.field("state.xdmf", "velocity").at(5))}  # fmt: skip
     for file, read in readers.items():
-        path = (folder / "few" if "study" in file else out) / file
+        path = (folder / "few" if read in (rungs, searches) else out) / file
         whole = path.read_bytes()
         read()
         lines = whole.rindex(b"\n", 0, whole.rindex(b"\n", 0, -1)) if file.endswith(".csv") else len(whole)  # before the last two

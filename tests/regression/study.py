@@ -189,6 +189,10 @@ def ranks(folder: Path) -> None:
         a, b = one[name][key(one)], two[name][key(two)]
         # Differences of numbers that agree to 1e-12 or so.
         assert np.allclose(a, b, rtol=1e-6, atol=1e-9, equal_nan=True), (name, a, b)
+    for n in (1, 2):
+        study(HALF_DISC, folder / f"searches-{n}", *SEARCHES, "--search-tolerances", "1e-2", ranks=n)
+    one, two = (table(folder / f"searches-{n}" / "search.csv") for n in (1, 2))
+    assert one["forward_sweeps"] == two["forward_sweeps"] and np.allclose(one["J"], two["J"], rtol=1e-9, atol=0), (one["J"], two["J"])
     again = study(HALF_DISC, folder / "ranks-1", *choice, ranks=2).stdout
     assert again.count('the number of ranks was "1" and is "2"') == 4, again
 
@@ -324,6 +328,7 @@ def refusals(folder: Path) -> None:
         (("--schemes", "implicit"), ("--schemes", "found", "contact-implicit")),
         (("--budget", "soon"), ("--budget", "found soon", "10min")),
         (("--suggest", "1e-2"), ("--suggest", "objective", "impulse")),
+        (("--search-tolerances", "1e-3"), ("--search-tolerances", "has no [objective]", "needs a control and an objective")),
         (("--suggest", "1e-2", "--quantity", "impuls"), ("--quantity", "impuls", 'did you mean "impulse"?')),
         (("--suggest", "1e-2", "--quantity", "impulse,peak_force"), ("--suggest", "impulse,peak_force", "allowed is one of")),
         (("--suggest", "1e-2", "--quantity", "energy_loss"), ("--suggest", "energy_loss", "allowed is one of")),
@@ -334,6 +339,56 @@ def refusals(folder: Path) -> None:
         assert not (folder / "refused").exists()
 
 
+SEARCHES = ("--sizes", "2", "--steps", "1e-4", "--quantity", "J", "--set", "mesh.size=2", "--set", "time.step=1e-4")
+
+
+def searches(folder: Path) -> None:
+    """What the optimizer's accuracy costs: each search is that of `optimize`, is kept as long as nothing that it depends on has changed,
+    and its table is that of the last command."""
+    out, tolerances = folder / "searches", ("1e-1", "1e-3", "1e-4")
+    asked = (*SEARCHES, "--search-tolerances", ",".join(tolerances))
+    said = study(HALF_DISC, out, *asked).stdout
+    rows, manifest = table(out / "search.csv"), json.loads((out / "study.json").read_text())
+    assert manifest["searches"] == 3 and "search.csv" in manifest["files"]
+    for i, tolerance in enumerate(tolerances):
+        optimum = folder / f"optimum-{tolerance}"
+        signorini("optimize", HALF_DISC, optimum, mesh__size=2, time__step=1e-4, optimizer__tolerance=tolerance)
+        run = json.loads((optimum / "run.json").read_text())
+        assert rows["tolerance"][i] == float(tolerance) and rows["J"][i] == run["objective"]["value"], (rows["J"][i], run["objective"])
+        assert rows["stop_reason"][i] == run["stop_reason"]
+        assert [rows[name][i] for name in ("iterations", "forward_sweeps", "adjoint_sweeps")] == [
+            run["optimizer"][name] for name in ("iterations", "forward_sweeps", "adjoint_sweeps")], tolerance  # fmt: skip
+    assert np.max(table(optimum / "steps.csv")["active"]) > 0, "no contact: the case says nothing"
+    assert list(rows["forward_sweeps"]) == sorted(rows["forward_sweeps"]) and rows["forward_sweeps"][0] < rows["forward_sweeps"][2]
+    least = np.min(rows["J"])
+    assert np.array_equal(rows["J_above_least"], (rows["J"] - least) / least) and rows["J_above_least"][2] == 0 < rows["J_above_least"][0]
+    error = table(out / "study.csv")["J_estimate"][0]
+    cheapest = next(i for i in np.argsort(rows["seconds"]) if rows["J_above_least"][i] <= error / 10)
+    assert f"optimizer.tolerance = {rows['tolerance'][cheapest]:.3g} leaves less than a tenth of J's error by size and step, {100 * error:.2g} %" in manifest["sentences"][-1]
+    assert manifest["sentences"][-1] in said
+    before = (out / "search.csv").read_bytes()
+    kept = study(HALF_DISC, out, *asked, "--set", "optimizer.checkpoint=3").stdout
+    assert "search 1 of 3" not in kept and (out / "search.csv").read_bytes() == before
+    other = study(HALF_DISC, out, *SEARCHES, "--search-tolerances", "1e-1", "--set", "optimizer.method=newton-cg").stdout
+    assert "search 1 of 1 runs again: the method of the search is another" in other and len(table(out / "search.csv")["J"]) == 1
+    spent = study(HALF_DISC, out, *SEARCHES, "--search-tolerances", "1e-3,1e-6", "--budget", "1e-3s").stdout
+    assert "the budget ends before the last search" in spent and list(table(out / "search.csv")["tolerance"]) == [1e-3], spent
+    priced = study(HALF_DISC, None, *asked, "--dry-run").stdout
+    assert "and 3 searches: the number of sweeps is not known in advance" in priced
+    study(HALF_DISC, out, *SEARCHES)
+    assert not (out / "search.csv").exists() and json.loads((out / "study.json").read_text())["searches"] == 0
+    process = subprocess.Popen([str(SIGNORINI), "study", str(HALF_DISC), "--out", str(out), *SEARCHES, "--search-tolerances", "1e-3,1e-9",
+                                "--set", "mesh.size=0.5", "--set", "time.step=5e-5"], stdout=subprocess.PIPE, text=True)  # fmt: skip
+    for line in process.stdout:
+        if line.startswith("search 1 of 2"):
+            break
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=300)
+    assert process.returncode == 130 and list(table(out / "search.csv")["tolerance"]) == [1e-3]
+    print("searches: " + ", ".join(f"{sweeps:.0f} sweeps to {tolerance}" for sweeps, tolerance in zip(rows["forward_sweeps"], tolerances)))
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -342,7 +397,7 @@ def main() -> int:
             own_density(folder, 2)
             ranks(folder)
             return 0
-        for part in (obstacles, ladder, kept, interrupted, chosen_steps, own_density, memory, stress, refusals):
+        for part in (obstacles, ladder, kept, interrupted, chosen_steps, own_density, memory, stress, searches, refusals):
             part(folder)
     return 0
 

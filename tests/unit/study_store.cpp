@@ -100,6 +100,45 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
   CHECK(store.load(rung, own, {J}).measured);
 }
 
+TEST_CASE("a search comes back to the last bit, where its fingerprint is the same", "[study]") {
+  const Folder folder;
+  const RungCache store(folder / "study");
+  const Fingerprint own{{"scene", ""}, {"method of the search", "lbfgs"}};
+  const SearchCost cost{.tolerance = 1e-4,
+                        .objective = 1.0 / 3,
+                        .iterations = 7,
+                        .forward_sweeps = 9,
+                        .adjoint_sweeps = 8,
+                        .seconds = 0.1,
+                        .stop_reason = "stationary at a kink"};
+  CHECK_FALSE(store.load(cost.tolerance, own).cost);
+  store.save(cost, own);
+  const CachedSearch kept = store.load(cost.tolerance, own);
+  REQUIRE(kept.cost);
+  CHECK(csv(std::vector{*kept.cost}) == csv(std::vector{cost}));
+  CHECK_FALSE(store.load(1e-5, own).cost);
+  CHECK(store.load(cost.tolerance, {{"scene", ""}, {"method of the search", "newton-cg"}}).unfit ==
+        "the method of the search is another");
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder / "study/rungs")->path();
+  write(file, content(file).substr(1));
+  CHECK(store.load(cost.tolerance, own).unfit.find("damaged") != std::string::npos);
+}
+
+TEST_CASE("the search recommended is the cheapest that leaves less than the mesh does", "[study]") {
+  const std::vector<SearchCost> searches{
+      {.tolerance = 1e-2, .objective = -1.9, .forward_sweeps = 2, .adjoint_sweeps = 1, .seconds = 1},
+      {.tolerance = 1e-3, .objective = -1.998, .forward_sweeps = 5, .adjoint_sweeps = 4, .seconds = 3},
+      {.tolerance = 1e-4, .objective = -2, .forward_sweeps = 9, .adjoint_sweeps = 8, .seconds = 2}};
+  const std::vector<double> above = above_least(searches);
+  CHECK(above[0] == (2 - 1.9) / 2);
+  CHECK(above[2] == 0);
+  CHECK(sentence(searches, 0.6).starts_with("optimizer.tolerance = 0.01 leaves"));
+  CHECK(sentence(searches, 0.02).starts_with("optimizer.tolerance = 0.0001 leaves")); // cheaper than 1e-3
+  CHECK(sentence({searches.begin(), searches.begin() + 2}, 0.02).starts_with("optimizer.tolerance = 0.001"));
+  CHECK(sentence({{.objective = 0}, {.objective = 1}}, 0.1).starts_with("no search leaves"));
+  CHECK(std::isnan(above_least({{.objective = 0}, {.objective = 1}})[1])); // relative to nothing
+}
+
 TEST_CASE("a fingerprint changes with everything that numbers depend on, and says with what", "[study]") {
   const Folder folder;
   const std::string include = "lower.inc";
