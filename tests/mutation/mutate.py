@@ -35,7 +35,7 @@ SOLVERS = {
     "step": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
     "trajectory": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],
     "diagnostics": [r"unit\.(forward|study|io)\."],
-    "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\."],
+    "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\.", r"verification\.fits\.derivatives"],
     "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\.", r"verification\.fits\.derivatives"],
     "fem": [r"unit\.(fem|mesh)\.", r"unit\.(forward|contact)\.", r"derivative\."],
     "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base

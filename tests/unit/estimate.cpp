@@ -149,6 +149,8 @@ TEST_CASE("what initial data lack by interpolation is estimated as functions of 
   for (const Case& one :
        {Case{"tests/data/block.toml", velocity, plane}, Case{"tests/data/block.toml", velocity, stabilized},
         Case{"tests/data/block.toml", displacement, plane},
+        Case{"tests/data/block.toml", displacement,
+             with(plane, {"material.viscosity={bulk=0.5, shear=0.5}"})},
         Case{"tests/data/cube.toml",
              "initial.velocity=[\"sin(4*x)*(1-z)\", \"0.2*cos(4*y)\", \"0\"] initial.displacement=[\"0\", "
              "\"0.03*cos(4*y)\", \"0.02*sin(3*z)\"]",

@@ -69,6 +69,27 @@ TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond 
   CHECK((edge.found->u.x[0] > 1 - 1e-14 && edge.found->u.x[0] < 1));
 }
 
+TEST_CASE("the secant equation of a pair holds on the values that bounds leave free", "[optimize]") {
+  Bounded problem;
+  problem.w = {1, 2, 0.5};
+  using Iterate = optimize::Iterate<Bounded>;
+  // The first value ends at its lower bound, out of which −g points.
+  const Iterate from{Point{{-0.7, 0.2, 0.1}}, 1.0, Point{{0.4, 0.9, -0.6}}},
+      to{Point{{-1, -0.1, 0.5}}, 0.5, Point{{0.1, 0.3, -0.2}}};
+  optimize::LimitedMemory<Bounded> memory{optimize::Options()};
+  memory.learn(problem, from, to, 1);
+  const Point s{{0, to.u.x[1] - from.u.x[1], to.u.x[2] - from.u.x[2]}},
+      y{{0.3, to.g.x[1] - from.g.x[1], to.g.x[2] - from.g.x[2]}}; // blocked like that of `to`
+  const Point d = memory.direction(problem, {to.u, to.objective, y});
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    INFO("value " << i << ": " << d.x[i] << " for " << -s.x[i]);
+    CHECK(std::abs(d.x[i] + s.x[i]) < 1e-14);
+  }
+  // Nor does the pair move that value once it is free.
+  const Point inside{{0, to.u.x[1], to.u.x[2]}}, g{{0, y.x[1], y.x[2]}};
+  CHECK(memory.direction(problem, {inside, to.objective, g}).x[0] == 0);
+}
+
 TEST_CASE("a trust region follows what its model was worth", "[optimize]") {
   // So little curvature that each step ends on the boundary: the step's length is the radius.
   struct Flat : Bounded {
