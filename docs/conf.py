@@ -13,7 +13,7 @@ author = "the authors of signorini"
 copyright = "the authors of signorini, GPL-3.0-or-later"
 
 extensions = ["myst_parser", "sphinx.ext.mathjax"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 4
 exclude_patterns = ["_build"]
 nitpicky = True

@@ -3,9 +3,9 @@
 
 A body in space is seen from the side, along the obstacle's plane.
 
-Displacements below 2 % of the body's size are enlarged, and the picture says by how much. The gap of the node nearest
-to an obstacle and the obstacle's motion are then enlarged with them, so that this node is seen to touch when it does; a
-curved body may seem to overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
+Displacements below 2 % of the body's size are enlarged, and the picture shows the factor. The gap of the node nearest
+to an obstacle and the obstacle's motion are then enlarged with them: this node touches in the picture when it does in
+the run. A curved body may seem to overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
 """
 
 import math
@@ -44,13 +44,13 @@ DOTS_PER_INCH = 100  # on the screen; 640 dots wide
 SMALL = 0.02  # displacements below this part of the body's size are enlarged …
 VISIBLE = 0.05  # … to about this part
 ARROW = 0.15  # longest arrow, as a part of the body's size
-KEY = 0.17  # inches from the axes up to the arrow that tells the length
-SPACING = 0.012  # least distance of arrows, likewise
+KEY = 0.17  # inches from the axes up to the arrow of the scale
+SPACING = 0.012  # least distance of arrows, as a part of the body's size
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Contact forces at the points on which they act (frames × nodes × 2, m): sizes (frames × nodes, `unit`), directions."""
+    """Contact forces: points on which they act (frames × nodes × 2, m), sizes (frames × nodes, `unit`), directions (nodes × 2)."""
 
     points: np.ndarray
     sizes: np.ndarray
@@ -60,9 +60,9 @@ class Forces:
 
 @dataclass(frozen=True)
 class Motion:
-    """What the film shows at times (s): the nodes' size of displacement (frames × nodes, m), and where the mesh's nodes
-    are on paper (frames × nodes × 2, m), with displacements drawn `enlarged` times as large; obstacles near the body and the
-    box (two corners, m) that holds what is seen of them."""
+    """Data of the film at times (s): moduli of the nodes' displacements (frames × nodes, m), and positions of the mesh's nodes
+    on paper (frames × nodes × 2, m), with displacements drawn `enlarged` times as large; obstacles near the body, and the box
+    (two corners, m) of their visible parts and the body."""
 
     mesh: Mesh
     view: View
@@ -88,7 +88,7 @@ def draw(run: RunFolder) -> list[Path]:
 
 
 def read_motion(run: RunFolder) -> Motion:
-    """The stored steps, thinned out evenly to the number of frames."""
+    """Reads the stored steps, thinned out evenly to the number of frames."""
     series = run.field("state.xdmf", "displacement")
     stride = max(1, -(-(len(series.times) - 1) // (MOST_FRAMES - 1)))
     shown = range(0, len(series.times), stride)
@@ -108,19 +108,19 @@ def read_motion(run: RunFolder) -> Motion:
 
 
 def enlargement(largest: float, size: float) -> float:
-    """How many times as large displacements (m) are drawn: 1 unless they are too small to see; size of the body in m."""
+    """Returns the factor by which displacements (m) are drawn: 1 unless they are too small to see. `size`: of the body, m."""
     return 1.0 if largest == 0 or largest >= SMALL * size else round_down(VISIBLE * size / largest)
 
 
 def round_down(value: float) -> float:
-    """The largest of …, 1, 2, 5, 10, 20, 50, … that is not above the value."""
+    """Returns the largest of …, 1, 2, 5, 10, 20, 50, … that is not above the value."""
     power = 10 ** math.floor(math.log10(value))
     return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
 
 
 def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
                 stride: int) -> Forces:
-    """The forces of the frames at so many nodes that arrows can be told apart."""
+    """Reads the forces of the frames, at no more nodes than have distinguishable arrows."""
     contact, boundary = run.contact, mesh.boundary_nodes()
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
@@ -130,9 +130,9 @@ def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displ
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
-    """Displacement of points on the boundary (frames × points × dim, m).
+    """Interpolates the displacement of points on the boundary (frames × points × dim, m).
 
-    Linear between the two nearest nodes of the mesh: exact at the nodes and on straight edges between them, where
+    It is linear between the two nearest nodes of the mesh: exact at the nodes and on straight edges between them, where
     elements of second degree have candidates for contact too.
     """
     distance = np.linalg.norm(points[:, None] - nodes[None], axis=2)
@@ -143,9 +143,9 @@ def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> n
 
 
 def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
-    """Nodal forces (frames × nodes, N, in the plane N/m): the mean over the stored steps since the last frame.
+    """Returns nodal forces (frames × nodes, N, in the plane N/m): means over the stored steps since the last frame.
 
-    At least two steps: the force of a single one alternates from step to step, and only the mean means something.
+    Means take at least two steps: single forces alternate from step to step, and only their mean is meaningful.
     """
     last = [nearest(contact.times, time) for time in times]
     first = [max(1, index - max(stride, 2) + 1) for index in last]
@@ -153,7 +153,7 @@ def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray
 
 
 class Stage:
-    """The picture: what stands still is drawn once, what moves is drawn over it in every frame."""
+    """Picture of a frame: parts at rest are drawn once, moving parts are drawn over them in every frame."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
@@ -185,7 +185,7 @@ class Stage:
         self.background = self.canvas.copy_from_bbox(axes.figure.bbox)
 
     def picture(self, frame: int) -> Image.Image:
-        """The frame in red, green and blue."""
+        """Returns the frame in red, green and blue."""
         self._move(frame)
         self.canvas.restore_region(self.background)
         for part in self.moving:
@@ -211,7 +211,7 @@ class Stage:
 
 
 def scenery(motion: Motion) -> Axes:
-    """The axes, in a figure of their own."""
+    """Makes the axes, in a figure of their own."""
     axes = style.plan(*view(motion), motion.view.names, DOTS_PER_INCH)
     scale = "true to scale" if motion.enlarged == 1 else f"displacement × {motion.enlarged:g}"
     axes.annotate(scale, (1, 0), (0, -28), xycoords="axes fraction", textcoords="offset points", ha="right", va="top",
@@ -220,7 +220,7 @@ def scenery(motion: Motion) -> Axes:
 
 
 def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Two corners of the picture that holds the body at all times, obstacles of its size next to it and the arrows, m."""
+    """Returns two corners (m) of the picture with the body at all times, obstacles of its size next to it, and the arrows."""
     size, dim = motion.mesh.size, motion.box.shape[1]
     inside = [motion.position.reshape(-1, 2)]
     if any(obstacle.whole for obstacle in motion.obstacles):
@@ -234,7 +234,7 @@ def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
-    """Arrows that end at the nodes in contact, and one in the margin that tells their length."""
+    """Adds arrows that end at the nodes in contact, and one in the margin as their scale."""
     if motion.forces is None or not motion.forces.sizes.any():
         return None
     largest = motion.forces.sizes.max()
@@ -249,7 +249,7 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
 
 
 def palette() -> Image.Image:
-    """The 256 colours of a GIF: the field's, greys, and the arrows' blended into what is behind them."""
+    """Returns the 256 colours of a GIF: the field's, greys, and the arrows' blended into their background."""
     def blend(start: str, end: str, count: int) -> np.ndarray:
         return np.linspace(to_rgb(start), to_rgb(end), count)
 
@@ -272,7 +272,7 @@ def write_gif(frames: list[Image.Image], path: Path) -> Path:
 
 
 def write_mp4(frames: list[Image.Image], path: Path) -> Path:
-    """Writes the frames as H.264, which wants even numbers of pixels."""
+    """Writes the frames as H.264, which needs even numbers of pixels."""
     width, height = frames[0].width // 2 * 2, frames[0].height // 2 * 2
     raw = b"".join(frame.crop((0, 0, width, height)).tobytes() for frame in frames)
     with style.whole_file(path) as partial:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes this folder the package signorini.post where one of its scripts is run, or a module imported, from where it lies."""
+"""Makes this folder the package signorini.post when one of its scripts is run, or a module imported, by its file."""
 
 import importlib.util
 import sys

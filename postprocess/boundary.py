@@ -7,39 +7,39 @@ import numpy as np
 
 from .mesh import Mesh
 
-LONGEST_BLANK = 0.3  # times the length of all parts, at most so wide is what is left blank between two
+LONGEST_BLANK = 0.3  # largest blank between two parts, relative to the length of all
 
 
 @dataclass(frozen=True)
 class Arc:
-    """Points of the boundary from end to end: their numbers in that order, positions (m) and the part of the boundary that each
-    belongs to, numbered from 0."""
+    """Points of the boundary from end to end: their numbers in that order, their positions (m), and the part of the boundary of
+    each, numbered from 0."""
 
     order: np.ndarray
     position: np.ndarray
     part: np.ndarray
 
     def edges(self) -> np.ndarray:
-        """Positions (m) between which a row of a map lies: one for each point and one between two parts."""
+        """Returns the positions (m) that bound the rows of a map: one row for each point and one between two parts."""
         middle = (self.position[1:] + self.position[:-1]) / 2
         begin, end = np.append(-np.inf, middle), np.append(middle, np.inf)
         first, last = np.append(True, np.diff(self.part) > 0), np.append(np.diff(self.part) > 0, True)
         spacing = float(np.median(np.diff(self.position))) if len(self.position) > 1 else 1.0
-        # At an end as far out as in, of a point on its own as far as others reach.
+        # Ends reach outwards as they do inwards; an isolated point reaches as its neighbours do.
         begin = np.where(first, np.where(last, self.position - spacing / 2, 2 * self.position - end), begin)
         end = np.where(last, 2 * self.position - begin, end)
         return np.sort(np.concatenate([begin, end[last]]))
 
     def rows(self) -> np.ndarray:
-        """The row of each point."""
+        """Returns the row of each point."""
         found = np.empty(len(self.order), int)
         found[self.order] = np.arange(len(self.order)) + self.part
         return found
 
 
 def arc_of(mesh: Mesh, points: np.ndarray, origin: int) -> Arc:
-    """Points on the boundary, each once, from end to end; 0 is where the one with the number `origin` is. A part ends where a node
-    of the mesh lies before the next point that is none of them."""
+    """Orders points on the boundary, each once, from end to end; position 0 is that of the point with the number `origin`. A part
+    ends where a node of the mesh that is no point lies before the next point."""
     order, position, part = [np.empty(0, int)], [np.empty(0)], [np.empty(0, int)]
     loops = mesh.loops()
     loop, along = places(mesh.points, loops, points)
@@ -64,7 +64,7 @@ def arc_of(mesh: Mesh, points: np.ndarray, origin: int) -> Arc:
 
 
 def joined(points: np.ndarray, order: list[np.ndarray], position: list[np.ndarray], part: list[np.ndarray], origin: int) -> Arc:
-    """The loops' parts one behind the other, as far apart as they are but not too far."""
+    """Joins the parts of loops one behind the other, at their distances but at most LONGEST_BLANK."""
     numbers = np.concatenate(order)
     loop = np.repeat(np.arange(len(order)), [len(own) for own in order])
     steps, apart = np.diff(np.concatenate(position)), np.linalg.norm(np.diff(points[numbers], axis=0), axis=1)
@@ -77,8 +77,8 @@ def joined(points: np.ndarray, order: list[np.ndarray], position: list[np.ndarra
 
 
 def breaks(at: np.ndarray, ends: np.ndarray, length: float) -> np.ndarray:
-    """Where a part begins: of points at these places along a closed line, ascending, those with a node before them that is no
-    point. `ends`: the nodes' places, the first one's twice."""
+    """Flags the points at which a part begins: those with a node before them that is no point. `at`: places of the points along a
+    closed line, ascending; `ends`: those of the nodes, the first one's twice."""
     hair = 1e-9 * length
     previous = np.roll(at, 1) - np.where(np.arange(len(at)) == 0, length, 0)
     nodes = np.concatenate([ends[:-1] - length, ends])
@@ -86,7 +86,7 @@ def breaks(at: np.ndarray, ends: np.ndarray, length: float) -> np.ndarray:
 
 
 def places(nodes: np.ndarray, loops: list[np.ndarray], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The loop of each point, and how far along it the point is, m."""
+    """Returns the loop of each point, and the point's place along it, m."""
     loop, along, least = np.zeros(len(points), int), np.zeros(len(points)), np.full(len(points), np.inf)
     for number, own in enumerate(loops):
         line = nodes[own]
@@ -103,5 +103,5 @@ def places(nodes: np.ndarray, loops: list[np.ndarray], points: np.ndarray) -> tu
 
 
 def lengths(line: np.ndarray) -> np.ndarray:
-    """Lengths of the segments of a line, m."""
+    """Returns the lengths of the segments of a line, m."""
     return np.linalg.norm(np.diff(line, axis=0), axis=1)

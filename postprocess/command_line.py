@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line that all scripts of this folder share.
+"""Command line that all scripts of this folder share.
 
-Exit status 0: drawn; 2: the folder, a file or an option is wrong, or the run has nothing to draw.
+Exit status: 0, drawn; 2, the folder, a file or an option is wrong, or the run has nothing to draw.
 """
 
 import argparse
@@ -27,12 +27,12 @@ def arguments(description: str, timed: bool, parents: Parents = ()) -> argparse.
 
 
 def complain(error: Exception) -> None:
-    """One sentence on stderr."""
+    """Prints an error on stderr, in one sentence."""
     print(f"{Path(sys.argv[0]).name}: {error}", file=sys.stderr)
 
 
 def say(*lines: object) -> None:
-    """On stdout, one below the other; names of files may have bytes that no text has."""
+    """Prints lines on stdout; names of files may have bytes that no text has."""
     sys.stdout.reconfigure(errors="surrogateescape")
     print(*lines, sep="\n", flush=True)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9).
 
-In space it is drawn by colours at the candidates' places, seen along the obstacle's normal; beside a curved obstacle, or several,
-over the position along the surface.
+In space, colours at the candidates' places show it, seen along the obstacle's normal. Beside a curved obstacle, or several, it
+is drawn over the position along the surface.
 """
 
 import sys
@@ -44,7 +44,7 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
 
 
 def over_line(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
-    """A curve over the position along the plane (m)."""
+    """Draws a curve over the position along the plane (m)."""
     tangent = np.array([normal[1], -normal[0]])
     position = points @ tangent
     order = np.argsort(position)
@@ -58,8 +58,8 @@ def over_line(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: 
 
 
 def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
-    """A curve over the position along the surface (m), where the obstacle is curved or there are several; interrupted where the
-    surface is."""
+    """Draws a curve over the position along the surface (m), where the obstacle is curved or there are several; interrupted where
+    the surface is."""
     contact = run.contact.by_node()
     arc = arc_of(run.boundary_mesh, contact.points, contact.most_pushed)
     force = contact.force[index][arc.order] * factor
@@ -75,7 +75,7 @@ def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
 
 
 def over_plane(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
-    """Coloured dots at the candidates that carry a force, pale ones at the others."""
+    """Draws coloured dots at the candidates that carry a force, pale ones at the others."""
     horizontal = np.allclose(normal[:2], 0)
     across = np.array([1.0, 0.0, 0.0]) if horizontal else np.cross(normal, [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
@@ -92,7 +92,7 @@ def over_plane(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label:
 
 
 def position_name(tangent: np.ndarray) -> str:
-    """What the coordinate along the plane is: x above a floor."""
+    """Names the coordinate along the plane: x above a floor."""
     horizontal = np.allclose(tangent, [1, 0])
     return "horizontal position $x$" if horizontal else "position along the obstacle's plane"
 

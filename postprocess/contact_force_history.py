@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normal contact force over time, of each step and averaged over two neighbouring steps; of several obstacles the mean for each.
+"""Normal contact force over time, of each step and averaged over two neighbouring steps; with several obstacles their means.
 
 In contact-implicit time stepping the force alternates from step to step, on every mesh and for every step size;
-the mean of two neighbouring steps is what converges. The force of a step acts all through it and is drawn in its middle.
+only the mean of two neighbouring steps converges. The force of a step acts all through it and is drawn in its middle.
 """
 
 import sys
@@ -51,7 +51,7 @@ def draw(run: RunFolder) -> list[Path]:
 
 
 def each_obstacle(run: RunFolder) -> dict[str, np.ndarray]:
-    """The force of those of several obstacles that push the most, by name; nothing for one, or where the run did not write it."""
+    """Returns the forces of those of several obstacles that push the most, by name; none for one obstacle or without obstacles.csv."""
     if len(run.obstacle_names) < 2:
         return {}
     try:
@@ -62,7 +62,7 @@ def each_obstacle(run: RunFolder) -> dict[str, np.ndarray]:
 
 
 def mean(force: np.ndarray) -> np.ndarray:
-    """Of two neighbouring steps, at the times between them."""
+    """Returns means of two neighbouring steps, at the times between them."""
     return (force[2:] + force[1:-1]) / 2
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact pressure over the position along the surface and time, averaged over two neighbouring steps where all are stored.
 
-In space over the distance from the node that is pushed the most. Bands without candidates are blank.
+In space, the position is the distance from the node that is pushed the most. Bands without candidates are blank.
 """
 
 import sys
@@ -25,7 +25,7 @@ def draw(run: RunFolder) -> list[Path]:
     place = along_surface(run, contact) if run.dim == 2 else around_contact(contact)
     times, pressure = contact.times, contact.pressure[1:]
     if run.stores_every_step and len(times) > 3:
-        # The mean of two steps is that about the time between them.
+        # The mean of two steps belongs to the time between them.
         times, pressure = (times[1:] + times[:-1]) / 2, (pressure[1:] + pressure[:-1]) / 2
     factor, unit = style.prefixed(pressure, "Pa")
 

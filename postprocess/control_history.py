@@ -18,7 +18,7 @@ LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-.")]
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """Draws what the control amounts to in each step."""
+    """Draws the resultant of the control in each step."""
     control = run.field("control.xdmf", "control")
     force = resultant_of(run, control)
     factor, unit = style.prefixed(force, style.per_depth("N", run.dim))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Magnitude of the control over the undeformed body at one time, with the nodes in contact marked (seed, Fig. 5).
 
-A control of a part of a plane body's boundary is drawn there, with arrows. In space it is that on the surface, seen from the side.
+A control of a part of a plane body's boundary is drawn there, with arrows. In space, the surface is shown, seen from the side.
 """
 
 import sys
@@ -47,7 +47,7 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
 
 
 def inside(axes: Axes, control: Series, index: int, mesh: Mesh, cells: np.ndarray) -> ScalarMappable:
-    """Colours all over the triangles that are seen, each of one of the body's cells."""
+    """Draws colours all over the visible triangles, each of one of the body's cells."""
     magnitude = np.linalg.norm(control.at(index), axis=1)
     triangles = Triangulation(*mesh.points.T, mesh.cells)
     look = {"cmap": style.FIELD_COLOURS, "vmin": 0, "rasterized": True}
@@ -57,7 +57,7 @@ def inside(axes: Axes, control: Series, index: int, mesh: Mesh, cells: np.ndarra
 
 
 def on_boundary(axes: Axes, control: Series, index: int, support: np.ndarray) -> ScalarMappable:
-    """Colours along the edges whose nodes the control acts at, and arrows that end there."""
+    """Draws colours along the edges at whose nodes the control acts, and arrows that end there."""
     mesh, values = control.mesh, nodal(control, control.at(index), support)
     magnitude = np.linalg.norm(values, axis=1)
     largest = magnitude.max() or 1.0
@@ -76,7 +76,7 @@ def on_boundary(axes: Axes, control: Series, index: int, support: np.ndarray) ->
 
 
 def body_axes(mesh: Mesh, view: View, room: float = 0.04) -> Axes:
-    """Axes that fit the undeformed body, with its outline; room about it as a part of its size."""
+    """Makes axes that fit the undeformed body, with its outline; `room`: margin as a part of its size."""
     margin = room * mesh.size
     axes = style.plan(mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin, view.names)
     axes.add_collection(LineCollection(mesh.points[mesh.outline()], colors="black", linewidths=0.8))
@@ -84,8 +84,8 @@ def body_axes(mesh: Mesh, view: View, room: float = 0.04) -> Axes:
 
 
 def control_unit(run: RunFolder) -> str:
-    """The body force or the traction that a control of one stands for."""
-    scale, unit = run.told(lambda: (run.scene["control"]["scale"], run.manifest["control_unit"]))
+    """Returns the body force or the traction of a control of 1, as a unit."""
+    scale, unit = run.entry(lambda: (run.scene["control"]["scale"], run.manifest["control_unit"]))
     mantissa, exponent = f"{scale:e}".split("e")
     if int(exponent) == 0:
         return unit if float(mantissa) == 1 else f"{float(mantissa):g} {unit}"

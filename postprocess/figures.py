@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws all figures of a run into RUN_FOLDER/figures, and says in one line which of them the run has no data for."""
+"""Draws all figures of a run into RUN_FOLDER/figures, and reports each figure without data in one line."""
 
 import sys
 from collections.abc import Callable
@@ -28,7 +28,7 @@ from .run_folder import RunFolder
 
 
 def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
-    """The figures by the name of their files; `time` (s) is for those that show one time."""
+    """Returns the figures by the name of their files; `time` (s) is for those that show one time."""
     return {
         "objective": objective.draw,
         "distance_to_reference": distance_to_reference.draw,
@@ -45,7 +45,7 @@ def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
 
 
 def draw_all(run: RunFolder, time: float | None) -> int:
-    """Draws what can be drawn; returns the exit status, 2 if a file is damaged."""
+    """Draws all figures that have data; returns the exit status, 2 if a file is damaged."""
     status = 0
     for name, draw in figures(time).items():
         # A figure of an earlier run in the same folder must not pass for one of this run.

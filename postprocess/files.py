@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files as a run leaves them: whole, or refused in one sentence."""
+"""Readers of a run's files, which refuse those that are not whole, in one sentence."""
 
 import io
 import warnings
@@ -12,11 +12,11 @@ import numpy as np
 
 
 class NotInRun(Exception):
-    """The run did not write, or had no reason to write, what a figure shows."""
+    """Raised where the run did not write, or had no reason to write, the data of a figure."""
 
 
 class Unreadable(Exception):
-    """The folder is no run's folder, or a file in it is damaged."""
+    """Raised where a folder is no run's folder, or a file in it is damaged."""
 
 
 class Table(dict[str, np.ndarray]):
@@ -31,8 +31,8 @@ class Table(dict[str, np.ndarray]):
 
 
 def whole_text(file: Path, with_names: bool = False) -> str:
-    """A text file that ends as every line of it does; with names of files, which may have bytes that no text has. Raises ValueError
-    where it does not: then its end is missing."""
+    """Returns the content of a text file. Raises ValueError if its last line does not end: then the file's end is missing.
+    `with_names`: it contains names of files, which may have bytes that no text has."""
     text = file.read_text(encoding="utf-8", errors="surrogateescape" if with_names else "strict")
     if not text.endswith("\n"):
         raise ValueError("its end is missing")
@@ -40,8 +40,8 @@ def whole_text(file: Path, with_names: bool = False) -> str:
 
 
 def read_csv(file: Path, words: Mapping[str, Sequence[str]] = MappingProxyType({})) -> Table:
-    """A table below one line of column names. In columns of words their numbers stand for them. Raises ValueError where a row
-    is not whole."""
+    """Reads a table below one line of column names. `words`: words of some columns, which are read as their numbers. Raises
+    ValueError if a row is not whole."""
     header, _, body = whole_text(file).partition("\n")
     columns = header.split(",")
     converters = {columns.index(name): list(known).index for name, known in words.items() if name in columns}
@@ -55,7 +55,7 @@ def read_csv(file: Path, words: Mapping[str, Sequence[str]] = MappingProxyType({
 
 
 def read_dataset(file: Path, dataset: str) -> np.ndarray:
-    """One dataset of an HDF5 file. Raises Unreadable if the file or the dataset is missing or damaged."""
+    """Reads one dataset of an HDF5 file. Raises Unreadable if the file or the dataset is missing or damaged."""
     if not file.is_file():
         raise Unreadable(f"{file}: there is no such file")
     try:

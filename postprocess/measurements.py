@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was measured beside what the fitted scene gives, over time, with the noise of the data as a band."""
+"""Measured values beside those of the fitted scene, over time, with the noise of the data as a band."""
 
 import sys
 from pathlib import Path
@@ -13,7 +13,7 @@ from .run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """One picture for each measurement."""
+    """Draws one picture for each measurement."""
     files = []
     for i, (name, one) in enumerate(report_fit.measurements(run).items(), 1):
         figure, axes = style.graph()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh of a body and fields on it over time."""
+"""Mesh of a body and fields on it over time."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,15 +18,15 @@ class Mesh:
 
     @property
     def size(self) -> float:
-        """The longest side of the box around the body, m."""
+        """Longest side of the box around the body, m."""
         return float(np.ptp(self.points, axis=0).max())
 
     def outline(self) -> np.ndarray:
-        """Edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
+        """Returns the edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
         return self._edges()[0]
 
     def loops(self) -> list[np.ndarray]:
-        """The closed lines of the boundary of triangles, by their nodes from the first one back to it."""
+        """Returns the closed lines of the boundary of triangles, by their nodes from the first one back to it."""
         beside: dict[int, list[int]] = {}
         for a, b in self.outline().tolist():
             beside.setdefault(a, []).append(b)
@@ -45,8 +45,8 @@ class Mesh:
         return found
 
     def surface(self) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and the
-        cell that each belongs to."""
+        """Returns the triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and
+        the cell of each."""
         faces = self.cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
         _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
         outer = first[count == 1]
@@ -56,7 +56,7 @@ class Mesh:
         return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer]), outer // 4
 
     def facets(self) -> tuple[np.ndarray, np.ndarray]:
-        """Edges of the boundary of triangles or triangles of that of tetrahedra, and the cell that each belongs to."""
+        """Returns edges of the boundary of triangles, or triangles of that of tetrahedra, and the cell of each."""
         return self._edges() if self.points.shape[1] == 2 else self.surface()
 
     def _edges(self) -> tuple[np.ndarray, np.ndarray]:
@@ -65,14 +65,14 @@ class Mesh:
         return distinct[count == 1], first[count == 1] // 3
 
     def boundary_nodes(self) -> np.ndarray:
-        """Node numbers of the boundary, ascending."""
+        """Returns the node numbers of the boundary, ascending."""
         return np.unique(self.facets()[0])
 
 
 @dataclass(frozen=True)
 class Series:
-    """A field over time, of a value for each node or, `cellwise`, for each cell: the mesh, the stored times (s)
-    and where each time's values are."""
+    """Field over time, with a value for each node or, if `cellwise`, for each cell: mesh, stored times (s), and file and dataset of
+    each time's values."""
 
     mesh: Mesh
     times: np.ndarray
@@ -80,17 +80,17 @@ class Series:
     cellwise: bool
 
     def at(self, index: int) -> np.ndarray:
-        """A vector at times[index], nodes or cells × dim."""
+        """Returns a vector at times[index], nodes or cells × dim."""
         # Functions are padded with zeros to three components in the file.
         return self.components(index)[:, : self.mesh.points.shape[1]]
 
     def components(self, index: int) -> np.ndarray:
-        """All that the file has at times[index], nodes or cells × 1, 3 or, row by row, 9."""
+        """Returns all components in the file at times[index], nodes or cells × 1, 3 or, row by row, 9."""
         values = read_dataset(*self.datasets[index])
         return values.reshape(len(values), -1)
 
     def values(self, index: int) -> np.ndarray:
-        """The values at times[index], nodes or cells × 1, dim or, of a tensor, 3 × 3."""
+        """Returns the values at times[index], nodes or cells × 1, dim or, of a tensor, 3 × 3."""
         values = self.components(index)
         if values.shape[1] == 9:
             return values.reshape(-1, 3, 3)

@@ -17,7 +17,7 @@ def draw(run: RunFolder) -> list[Path]:
     """Draws J - J_last on a logarithmic scale."""
     iteration, objective = run.history["iteration"], run.history["objective"]
     above = objective - objective[-1]
-    shown = above > 0  # a logarithm has no place for the last value itself
+    shown = above > 0  # a logarithmic axis cannot show the last value itself
     if not shown.any():
         raise NotInRun("the objective was never above its last value")
     # J is a time integral of squared L2 norms of a length; of a fit, of residuals in standard deviations.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Obstacles in a picture of matplotlib: in the plane what is inside of them, in space their surfaces seen from the side."""
+"""Obstacles in a picture of matplotlib: in the plane their insides, in space their surfaces seen from the side."""
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,12 +13,12 @@ from .surfaces import band
 from .view import View
 
 GREY = "0.85"
-ON_EDGE = 0.02  # a plane that leans no more than this from the line of sight is drawn as a line
-FAR = 10.0  # times the body's size: so thick is what is drawn of a plane
+ON_EDGE = 0.02  # a plane that deviates no more than this from the line of sight is drawn as a line
+FAR = 10.0  # thickness of a drawn plane, relative to the body's size
 
 
 class Inside:
-    """The part of a picture that is inside of an obstacle which is the same all along the line of sight."""
+    """Inside of an obstacle in a picture; the obstacle is the same all along the line of sight."""
 
     def __init__(self, axes: Axes, obstacle: Obstacle, view: View, size: float) -> None:
         self.obstacle, self.view, self.moves = obstacle, view, obstacle.moves
@@ -37,7 +37,7 @@ class Inside:
 
 
 class Surface:
-    """The surface of an obstacle in space, seen from the side."""
+    """Surface of an obstacle in space, seen from the side."""
 
     def __init__(self, axes: Axes, obstacle: Obstacle, view: View) -> None:
         self.obstacle, self.view, self.moves = obstacle, view, obstacle.moves
@@ -57,7 +57,7 @@ class Surface:
 
 
 def obstacle_artists(axes: Axes, obstacles: list[Obstacle], view: View, size: float) -> list[Inside | Surface]:
-    """One for each obstacle."""
+    """Makes one artist for each obstacle."""
     return [Inside(axes, obstacle, view, size) if is_flat(obstacle, view) else Surface(axes, obstacle, view) for obstacle in obstacles]
 
 
@@ -67,6 +67,6 @@ def is_flat(obstacle: Obstacle, view: View) -> bool:
 
 
 def on_edge(corners: np.ndarray, normal: np.ndarray) -> Facets:
-    """A plane's corners on paper as one segment, with the obstacle to its right."""
+    """Reduces a plane's corners on paper to one segment, with the obstacle to its right."""
     along = corners @ np.array([normal[1], -normal[0]])
     return corners[[np.argmin(along), np.argmax(along)]], np.array([[0, 1]])

@@ -15,12 +15,12 @@ Facets = tuple[np.ndarray, np.ndarray]  # points n × dim, m, and their numbers 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """The surface of an obstacle, segments in the plane and triangles in space: its points at the start, and where it moves how far
-    they have moved at each stored time (times × n × dim). Where it changes its shape, each time has points and facets of its own,
+    """Surface of an obstacle, segments in the plane and triangles in space: its points at the start and, if it moves, their
+    displacements at each stored time (times × n × dim). If it changes its shape, each time has points and facets of its own,
     which begin at `first_point` and `first_facet` (times + 1).
 
-    `flat`: a plane; `whole`: no part of it was left out. Its candidates' gaps in the undeformed body at the start (m), and
-    directions out of the obstacle (m × dim)."""
+    `flat`: a plane; `whole`: no part of it was left out. `gap`: gaps of its candidates in the undeformed body at the start (m);
+    `normal`: directions out of the obstacle there (m × dim)."""
 
     name: str
     flat: bool
@@ -42,11 +42,11 @@ class Obstacle:
 
     @property
     def rigid(self) -> bool:
-        """Whether all of it moves alike."""
+        """Whether all points move alike."""
         return not self.moves or (self.first_point is None and bool(np.allclose(np.ptp(self.displacement, axis=1), 0)))
 
     def at(self, time: float) -> Facets:
-        """The surface at the stored time nearest to one."""
+        """Returns the surface at the stored time nearest to `time` (s)."""
         if not self.moves:
             return self.points + self.shift, self.facets
         index = int(np.argmin(np.abs(self.times - time)))
@@ -56,18 +56,18 @@ class Obstacle:
         return self.points[start:end] + self.shift + self.enlarged * self.displacement[start:end], self.facets[first:last]
 
     def travel(self, time: float) -> np.ndarray:
-        """How far a rigid one has moved."""
+        """Returns the displacement of a rigid obstacle."""
         if not self.moves or not len(self.points):
             return np.zeros(self.points.shape[1])
         return self.enlarged * self.displacement[int(np.argmin(np.abs(self.times - time))), 0]
 
     def drawn(self, enlarged: float, shift: np.ndarray) -> "Obstacle":
-        """Elsewhere by `shift`, and with its motion so many times as large."""
+        """Returns the obstacle moved by `shift`, with its motion enlarged by a factor."""
         return replace(self, enlarged=enlarged, shift=shift)
 
 
 def read_obstacles(file: Path, names: list[str]) -> list[Obstacle]:
-    """Those of a run, which has these names for them. Raises OSError, ValueError where the file is damaged."""
+    """Reads the obstacles of a run, which have these names. Raises OSError, ValueError where the file is damaged."""
     try:
         with h5py.File(file, "r") as data:
             times = data["times"][()]
@@ -82,7 +82,7 @@ def read_obstacle(group: h5py.Group, name: str, times: np.ndarray) -> Obstacle:
 
 
 def normals(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
-    """Normals of the facets, of length 1 and out of the obstacle."""
+    """Returns the normals of the facets, of length 1 and out of the obstacle."""
     sides = points[facets[:, 1:]] - points[facets[:, :1]]
     way = sides[:, 0] @ np.array([[0.0, 1], [-1, 0]]) if points.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     size = np.linalg.norm(way, axis=1, keepdims=True)

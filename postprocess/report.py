@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes one page of all that a run or a study found: FOLDER/report.html, which needs no other file and no network.
+"""Makes one page of all results of a run or a study: FOLDER/report.html, which needs no other file and no network.
 
-A run's page has the body in motion, contact forces, control, energies, probes, convergence and times; a study's page has what
-accuracy costs. What the folder holds no data for is left out, and the page says so. With a second run's folder the page
-shows both side by side: OTHER/comparison.html.
+A run's page has the body in motion, contact forces, control, energies, probes, convergence and times; a study's page has the
+costs of accuracy. Parts without data in the folder are left out and listed. With a second run's folder the page shows both
+side by side: OTHER/comparison.html.
 """
 
 import argparse
@@ -31,26 +31,26 @@ TEMPLATE = "report.html.jinja"
 
 
 def page_of(folder: Path) -> Page:
-    """What the page of a run's or a study's folder shows."""
+    """Returns the page of a run's or a study's folder."""
     if is_study(folder):
         return report_study.page(StudyFolder(folder))
     if folder.is_dir() and not (folder / "scene.toml").is_file():
         inside = sorted(str(path.parent) for name in ("scene.toml", "study.json") for path in folder.glob(f"*/{name}"))
         raise Unreadable(f"{folder}: this is the folder of neither a run nor a study, since there is no scene.toml "
-                         f"and no study.json in it{'; allowed are ' if inside else ''}{', '.join(inside)}")
+                         f"and no study.json in it{'; runs inside: ' if inside else ''}{', '.join(inside)}")
     return report_run.page(RunFolder(folder))
 
 
 def comparison_of(folder: Path, other: Path) -> Page:
-    """What the page of two runs' folders shows."""
+    """Returns the page that compares two runs' folders."""
     for one in (folder, other):
         if is_study(one):
-            raise Unreadable(f"{one}: found a study, allowed are two runs")
+            raise Unreadable(f"{one}: found a study; give two runs")
     return report_compare.page((RunFolder(folder), RunFolder(other)))
 
 
 def html(page: Page) -> str:
-    """The page with all that it needs inside."""
+    """Returns the page as HTML that contains all that it needs."""
     templates = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True,
                                    trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     return templates.get_template(TEMPLATE).render(page=page, plotly=compressed(get_plotlyjs()),
@@ -58,7 +58,7 @@ def html(page: Page) -> str:
 
 
 def compressed(text: str) -> str:
-    """The text as a browser can unpack it from within a page."""
+    """Compresses a text such that a browser can unpack it from within a page."""
     return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page of two runs side by side: what differs in their scenes and results, both bodies in motion, both curves in each chart."""
+"""Page of two runs side by side: differences of their scenes and results, both bodies in motion, both curves in each chart."""
 
 import json
 from collections.abc import Callable
@@ -17,25 +17,25 @@ from .report_parts import Chart, Gathering, Page, Section, Table, figure, line, 
 from .report_run import logarithmic, objective_unit, positive
 from .run_folder import RunFolder, potential_of_loads
 
-ROUNDING = 1e-9  # a relative difference that tells nothing
-STEPWISE = "active", "control-resultant"  # a row holds for the step that ends there
+ROUNDING = 1e-9  # a relative difference up to this is none
+STEPWISE = "active", "control-resultant"  # a row is valid for the step that ends there
 LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash")]
 Two = tuple[RunFolder, RunFolder]
 Curve = tuple[np.ndarray, np.ndarray]
 
 
 def page(runs: Two) -> Page:
-    """Raises NotInRun where there is no run.json, Unreadable where a file is damaged or one body is plane and the other is not."""
+    """Makes the page. Raises NotInRun without run.json, Unreadable if a file is damaged or one body is plane and the other is not."""
     labels, gather = labels_of(*(run.path for run in runs)), Gathering(runs[1].path)
     if runs[0].dim != runs[1].dim:
         place = "the plane" if runs[1].dim == 2 else "space"
-        raise Unreadable(f"{runs[1].path}: found a body in {place}, allowed is one as in {runs[0].path}")
+        raise Unreadable(f"{runs[1].path}: found a body in {place}; expected one as in {runs[0].path}")
     identity, title = "; ".join(f"{label}: {run.identity}" for label, run in zip(labels, runs)), " and ".join(labels)
-    return runs[0].told(lambda: Page(title, "two runs", identity, [], sections_of(runs, labels, gather), gather.left_out()))
+    return runs[0].entry(lambda: Page(title, "two runs", identity, [], sections_of(runs, labels, gather), gather.left_out()))
 
 
 def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section]:
-    """All parts below the facts."""
+    """Makes all parts below the facts."""
     both = gather("the bodies in motion", motions, runs)
 
     def curves(name: str, title: str, what: str, views: Views) -> list[Chart]:
@@ -60,14 +60,14 @@ def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section
 
 
 def labels_of(*folders: Path) -> list[str]:
-    """The folders' names from where they differ."""
+    """Returns the folders' names from the first part in which they differ."""
     parts = [folder.resolve().parts for folder in folders]
     same = next((i for i, pair in enumerate(zip(*parts)) if len(set(pair)) > 1), min(map(len, parts)) - 1)
     return ["/".join(one[same:]) for one in parts]
 
 
 def scene_differences(runs: Two, labels: list[str]) -> Table:
-    """Keys that do not have the same value in both scenes."""
+    """Makes a table of keys that have different values in the two scenes."""
     first, second = (dict(entries(run.scene)) for run in runs)
     keys = [*first, *(key for key in second if key not in first)]
     rows = [[key, first.get(key, "–"), second.get(key, "–")] for key in keys if first.get(key) != second.get(key)]
@@ -76,7 +76,7 @@ def scene_differences(runs: Two, labels: list[str]) -> Table:
 
 
 def entries(value: object, key: str = "") -> list[tuple[str, str]]:
-    """Keys and values of a table and the tables within."""
+    """Returns keys and values of a table and the tables within."""
     if isinstance(value, dict):
         return [entry for name, part in value.items() for entry in entries(part, f"{key}.{name}" if key else name)]
     if isinstance(value, list) and value and all(isinstance(part, dict) for part in value):
@@ -85,7 +85,7 @@ def entries(value: object, key: str = "") -> list[tuple[str, str]]:
 
 
 def results(runs: Two, labels: list[str]) -> Table:
-    """What both runs, or one of them, tell in a number."""
+    """Makes a table of numbers that both runs, or one of them, have."""
     rows = []
     for name, (measure, unit) in MEASURES.items():
         found = [measured(measure, run) for run in runs]
@@ -96,7 +96,7 @@ def results(runs: Two, labels: list[str]) -> Table:
 
 
 def unknowns(runs: Two, labels: list[str]) -> Table:
-    """What the fits among the runs found; a difference in its standard deviation, where both are identified."""
+    """Makes a table of the fitted unknowns; differences also in standard deviations, where both unknowns are identified."""
     found = [{one["name"]: one for one in run.manifest.get("unknowns_fitted", [])} for run in runs]
     rows = []
     for name in dict.fromkeys([*found[0], *found[1]]):
@@ -107,7 +107,7 @@ def unknowns(runs: Two, labels: list[str]) -> Table:
 
 
 def in_deviations(ones: list[dict | None]) -> list[str]:
-    """The second value less the first, and that over the deviation of a difference of independent data."""
+    """Returns the second value less the first, and that over the deviation of a difference of independent data."""
     if None in ones or None in (values := [one["value"] for one in ones]):
         return ["–", "–"]
     difference, deviations = values[1] - values[0], [one["standard_deviation"] for one in ones]
@@ -116,7 +116,7 @@ def in_deviations(ones: list[dict | None]) -> list[str]:
 
 
 def measured(measure: Callable[[RunFolder], float], run: RunFolder) -> float | None:
-    """Nothing where the run did not write it."""
+    """Returns a number of a run; None where the run did not write it."""
     try:
         value = measure(run)
     except (NotInRun, KeyError, TypeError):
@@ -138,7 +138,7 @@ def difference(found: list[float | None], unit: str) -> list[str]:
 
 
 def mean_force(run: RunFolder) -> Curve:
-    """The mean of two steps, over the times between them."""
+    """Returns the means of two steps over the times between them."""
     if not run.has_contact:
         raise NotInRun("the scene has no contact")
     force = run.normal_force
@@ -146,7 +146,7 @@ def mean_force(run: RunFolder) -> Curve:
 
 
 def touching(run: RunFolder) -> np.ndarray:
-    """Steps that end in contact."""
+    """Returns the numbers of the steps that end in contact, from 0."""
     found = np.flatnonzero(run.steps["active"][1:] > 0)
     if not len(found):
         raise NotInRun("the body never touches the obstacle")
@@ -223,7 +223,7 @@ ENERGIES: Views = {
 
 
 def probes_of(runs: Two) -> Views:
-    """Columns that both runs' probes.csv have."""
+    """Returns a view for each column that both runs' probes.csv have."""
     try:
         first, second = (run.probes for run in runs)
     except NotInRun:
@@ -237,7 +237,7 @@ def probe_unit(column: str) -> Callable[[RunFolder], str]:
 
 
 def control_of(runs: Two) -> Views:
-    """A view for each component."""
+    """Returns a view of the control's resultant for each component."""
     def component(run: RunFolder, axis: int) -> Curve:
         control = run.field("control.xdmf", "control")
         return control.times, resultant_of(run, control)[:, axis]
@@ -246,7 +246,7 @@ def control_of(runs: Two) -> Views:
 
 
 def over_time(runs: Two, labels: list[str], name: str, title: str, what: str, views: Views) -> Chart:
-    """A curve for each run that has one; `what` the curves show, or each view's name."""
+    """Makes a chart with a curve for each run that has one. `what`: title of the values; by default each view's name."""
     drawn = {}
     for view, (curve, unit_of) in views.items():
         found = [(label, *values, *look) for label, run, look in zip(labels, runs, LOOKS) if (values := drawn_curve(curve, run))]
@@ -273,7 +273,7 @@ def drawn_curve(curve: Callable[[RunFolder], Curve], run: RunFolder) -> Curve | 
 
 
 def over_iterations(runs: Two, labels: list[str], column: str, title: str) -> Chart:
-    """A column of history.csv of each run that has one."""
+    """Makes a chart of a column of history.csv, with a curve for each run that has it."""
     curves, shown_values, units = [], [], []
     for label, run, look in zip(labels, runs, LOOKS):
         try:
@@ -294,7 +294,7 @@ def over_iterations(runs: Two, labels: list[str], column: str, title: str) -> Ch
 
 
 def motions(runs: Two) -> list[dict]:
-    """Both bodies at the same times, with the same colours, enlargement and box."""
+    """Returns the motions of both bodies at the same times, with the same colours, enlargement and box."""
     series = [run.field("state.xdmf", "displacement") for run in runs]
     longest = max(series, key=lambda one: (one.times[-1], len(one.times)))
     numbers = sum(len(one.mesh.boundary_nodes() if run.dim == 3 else one.mesh.points) * (run.dim + len(stored_fields(run)))
@@ -306,7 +306,7 @@ def motions(runs: Two) -> list[dict]:
 
 
 def alike(found: list[dict], times: np.ndarray, series: list) -> list[dict]:
-    """Motions with the fields that both have, in the same units."""
+    """Reduces motions to the fields that both have, in the same units."""
     first, second = found
     names = [field["name"] for field in first["fields"] if field["name"] in {other["name"] for other in second["fields"]}]
     for one in found:

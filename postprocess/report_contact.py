@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of a run's page about contact: forces over time, of each obstacle, and over the surface; the impact in figures."""
+"""Part of a run's page about contact: forces over time, of each obstacle, and over the surface."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from .report_parts import GREY, Chart, figure, line, packed, time_axis
 from .run_folder import Contact, RunFolder
 
 MOST_COLUMNS = 400  # times in a map of the contact surface
-RINGS = 40  # distances in that of a body in space
+RINGS = 40  # distances in such a map of a body in space
 MOST_CURVES = 6
 COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"]
@@ -22,7 +22,7 @@ WITHIN = "A force acts all through its step and is drawn in the middle of it."
 
 
 def contact_force(run: RunFolder) -> Chart:
-    """Of every time step, alternating as it does, and the mean that converges; of several obstacles each on its own too."""
+    """Makes the chart of the force of every step and of the mean of two, which converges; with several obstacles also of each."""
     run.require_contact()
     unit = style.per_depth("N", run.dim)
     try:
@@ -46,7 +46,7 @@ def contact_force(run: RunFolder) -> Chart:
 
 
 def force_over_time(run: RunFolder, force: np.ndarray, what: str, unit: str) -> dict:
-    """Each step and the mean of two."""
+    """Makes a view with the force of each step and the mean of two."""
     factor, unit = style.prefixed(force, unit)
     times, title = time_axis(run.steps["time"])
     # Row 0 is the initial state, in which no force has acted yet.
@@ -58,7 +58,7 @@ def force_over_time(run: RunFolder, force: np.ndarray, what: str, unit: str) -> 
 
 
 def means(run: RunFolder, forces: dict[str, np.ndarray], unit: str) -> dict:
-    """The mean of two steps for each obstacle."""
+    """Makes a view with the mean of two steps for each obstacle."""
     factor, unit = style.prefixed(max(forces.values(), key=np.max), unit)
     times, title = time_axis(run.steps["time"])
     curves = [line(name, times[1:-1], (force[2:] + force[1:-1]) / 2 * factor, *look)
@@ -68,7 +68,7 @@ def means(run: RunFolder, forces: dict[str, np.ndarray], unit: str) -> dict:
 
 
 def active_candidates(run: RunFolder) -> Chart:
-    """How many, of every time step."""
+    """Makes the chart of the number of candidates in contact after every step."""
     run.require_contact()
     steps = run.steps
     times, title = time_axis(steps["time"])
@@ -81,14 +81,14 @@ def active_candidates(run: RunFolder) -> Chart:
     if steps["weak"].any():
         curves.append(line("in weak contact: no gap and no force", times, steps["weak"], style.ORANGE, "dot"))
     for curve in curves:
-        curve["line"]["shape"] = "vh"  # row k holds for the step that ends there
-    ticks = {"dtick": 1} if steps["active"].max() < 10 else {}  # else halves come up
+        curve["line"]["shape"] = "vh"  # row k is valid for the step that ends there
+    ticks = {"dtick": 1} if steps["active"].max() < 10 else {}  # else the axis has halves
     view = figure(curves, title, "candidates", yaxis=FROM_ZERO | ticks)
     return Chart.single("active", "Candidates in contact", view)
 
 
 def contact_surface(run: RunFolder) -> Chart:
-    """Pressure, force and gap over place and time; bands without candidates are blank."""
+    """Makes the chart of pressure, force and gap over place and time; bands without candidates are blank."""
     run.require_contact()
     names = run.obstacle_names
     if run.dim == 2:
@@ -107,7 +107,7 @@ def contact_surface(run: RunFolder) -> Chart:
 
 @dataclass(frozen=True)
 class Place:
-    """Rows of a map: their edges (m), the row of each candidate, and what the positions are."""
+    """Rows of a map: their edges (m), the row of each candidate, and the name of the positions."""
 
     edges: np.ndarray
     rows: np.ndarray
@@ -115,17 +115,17 @@ class Place:
 
 
 def along_surface(run: RunFolder, contact: Contact) -> Place:
-    """A row for each candidate of a plane body, each node once, and for what is between two parts of the surface."""
+    """Returns a row for each candidate of a plane body, each node once, and for each blank between two parts of the surface."""
     return along(arc_of(run.boundary_mesh, contact.points, contact.most_pushed))
 
 
 def along(arc: Arc) -> Place:
-    """A row for each point of the boundary, and for what is between two parts of it."""
+    """Returns a row for each point of the boundary, and for each blank between two parts of it."""
     return Place(arc.edges(), arc.rows(), "position along the surface (m)")
 
 
 def around_contact(contact: Contact) -> Place:
-    """Rings around the candidate that is pushed the most."""
+    """Returns rings around the candidate that is pushed the most."""
     apart = np.linalg.norm(contact.points - contact.points[contact.most_pushed], axis=1)
     count = min(RINGS, max(1, round(np.sqrt(len(apart)))))
     edges = np.linspace(0, apart.max() or 1, count + 1)
@@ -134,20 +134,20 @@ def around_contact(contact: Contact) -> Place:
 
 
 def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, dict]:
-    """The means of two steps first, which mean more than single steps do; what never touches is out of sight at first."""
+    """Makes the views, first the means of two steps, which mean more than single steps. Parts that never touch are out of sight at first."""
     times, views, axis = contact.times, {}, {"range": touched(contact, place)}
     values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.dim))}
     for what, (of, unit) in values.items():
         if run.stores_every_step and len(times) > 2:
             views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)
-        # What acts in a step that ends at a stored time.
+        # Forces act in the step that ends at a stored time.
         views[f"{what} of each step"] = surface_map(run.middles(times[1:]), place, of[1:], unit, what, axis)
     views["gap"] = surface_map(times, place, contact.gap, "m", "gap", axis)
     return views
 
 
 def touched(contact: Contact, place: Place) -> list[float]:
-    """Between which positions (m) contact is, with some room; all of the surface where it is touched without a force."""
+    """Returns the positions (m) between which contact is, with some room; those of the whole surface if no force acts."""
     pushed = contact.force.any(axis=0)
     rows = place.rows[pushed] if pushed.any() else place.rows
     low, high = place.edges[rows.min()], place.edges[rows.max() + 1]
@@ -156,7 +156,7 @@ def touched(contact: Contact, place: Place) -> list[float]:
 
 
 def rows_of(place: Place, values: np.ndarray, what: str) -> np.ndarray:
-    """Values (times × candidates) in the rows of a map (rows × times): the largest one or the least gap there, NaN without any."""
+    """Arranges values (times × candidates) in the rows of a map (rows × times): the largest or, of gaps, the least; NaN without any."""
     extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
     shown = np.full((len(place.edges) - 1, len(values)), start)
     extreme.at(shown, place.rows, values.T)
@@ -165,7 +165,7 @@ def rows_of(place: Place, values: np.ndarray, what: str) -> np.ndarray:
 
 
 def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, what: str, axis: dict) -> dict:
-    """Values (times × candidates) by colours over time and place: the largest one or the least gap there."""
+    """Makes a view of values (times × candidates) by colours over time and place: the largest value or the least gap there."""
     every = -(-len(times) // MOST_COLUMNS)
     shown = rows_of(place, values[::every], what)
     factor, unit = style.prefixed(np.nanmax(np.abs(shown)), unit)
@@ -175,7 +175,7 @@ def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, 
 
 
 def heatmap(times: np.ndarray, edges: np.ndarray, values: np.ndarray, what: str, unit: str) -> dict:
-    """Values (rows × times, NaN where there is nothing) between the rows' edges (m)."""
+    """Makes a trace of values (rows × times, NaN where there is nothing) between the rows' edges (m)."""
     return {"type": "heatmap", "x": packed(times), "y": packed(edges), "z": packed(values), "hoverongaps": False,
             "hovertemplate": f"%{{x:.4g}}, %{{y:.3g}} m<br>{what} %{{z:.3g}} {unit}<extra></extra>",
             "colorbar": {"title": {"text": f"{what} ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of a run's page about the control: what it pushes with over time, and where on the boundary."""
+"""Part of a run's page about the control: its resultant over time, and its values along the boundary."""
 
 import numpy as np
 
@@ -16,27 +16,27 @@ LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashd
 
 
 def resultant(run: RunFolder) -> Chart:
-    """Components of the force that the control amounts to."""
+    """Makes the chart of the components of the control's resultant."""
     control = run.field("control.xdmf", "control")
     force = resultant_of(run, control)
     factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
     times, title = time_axis(control.times)
     curves = [line(axis, times, values * factor, *look) for axis, values, look in zip("xyz", force.T, LOOKS)]
     for curve in curves:
-        curve["line"]["shape"] = "vh"  # a control holds for the step that ends there
+        curve["line"]["shape"] = "vh"  # a control is constant in the step that ends there
     return Chart.single("control-resultant", "Resultant of the control over time", figure(curves, title, f"force ({unit})"))
 
 
 def resultant_of(run: RunFolder, control: Series) -> np.ndarray:
-    """The control's integral over the body or the boundary at its times (times × dim), N, in the plane N/m."""
-    scale = run.told(lambda: float(run.scene["control"]["scale"]))
+    """Returns the control's integral over the body or the boundary at its times (times × dim), N, in the plane N/m."""
+    scale = run.entry(lambda: float(run.scene["control"]["scale"]))
     weight = weights(control, support_of(run, control))
     return scale * np.stack([weight @ control.at(i) for i in range(len(control.times))])
 
 
 def weights(control: Series, support: np.ndarray | None) -> np.ndarray:
-    """What a value of 1 at each node or in each cell amounts to, m², m³: integrals of its function over the body or, with
-    the nodes of a part of the boundary given, over that."""
+    """Returns the weight of a value at each node or in each cell: the integral of its function over the body or, if the nodes of a
+    part of the boundary are given, over that (m to m³)."""
     mesh, count = control.mesh, len(control.mesh.cells if control.cellwise else control.mesh.points)
     if support is None:
         facets, owner = mesh.cells, np.arange(len(mesh.cells))
@@ -56,7 +56,7 @@ def weights(control: Series, support: np.ndarray | None) -> np.ndarray:
 
 
 def boundary(run: RunFolder) -> list[Chart]:
-    """A control of a part of a plane body's boundary, over place and time; nothing for any other."""
+    """Makes the chart of a control of a part of a plane body's boundary, over place and time; none for other controls."""
     try:
         control = run.field("control.xdmf", "control")
     except NotInRun:
@@ -64,7 +64,7 @@ def boundary(run: RunFolder) -> list[Chart]:
     support = support_of(run, control)
     if support is None or run.dim == 3 or not support.any():
         return []
-    scale, every = run.told(lambda: float(run.scene["control"]["scale"])), -(-len(control.times) // MOST_COLUMNS)
+    scale, every = run.entry(lambda: float(run.scene["control"]["scale"])), -(-len(control.times) // MOST_COLUMNS)
     values = scale * np.stack([nodal(control, control.at(i), support)[support] for i in range(0, len(control.times), every)])
     size = np.linalg.norm(values, axis=2)
     place = along(arc_of(control.mesh, control.mesh.points[support], int(np.argmax(size.sum(axis=0)))))
@@ -74,7 +74,7 @@ def boundary(run: RunFolder) -> list[Chart]:
 
 
 def over_boundary(times: np.ndarray, place: Place, values: np.ndarray) -> dict:
-    """Values (times × nodes, N/m²) by colours."""
+    """Makes a view of values (times × nodes, N/m²) by colours."""
     shown = np.full((len(place.edges) - 1, len(times)), np.nan)
     shown[place.rows] = values.T
     factor, unit = style.prefixed(values, "N/m²")

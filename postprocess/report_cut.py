@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A body in space, cut open along a plane across x or y: the part of its surface beyond the plane, and what the plane shows."""
+"""Body in space, cut open along a plane across x or y: the part of its surface beyond the plane, and the section."""
 
 from dataclasses import dataclass, replace
 
@@ -12,7 +12,7 @@ from .surfaces import between, facing, zeros
 @dataclass(frozen=True)
 class Cut:
     """Points between pairs of the mesh's nodes (points × 2; weight of the second one), and triangles of the mesh's nodes and,
-    numbered after them, these points; `name` says where the plane is."""
+    numbered after them, these points. `name`: place of the plane."""
 
     pairs: np.ndarray
     weight: np.ndarray
@@ -21,14 +21,14 @@ class Cut:
     name: str
 
     def renumbered(self, own: np.ndarray, count: int) -> "Cut":
-        """Of the nodes that have a new number, `own`, alone, as many as `count`."""
+        """Returns the cut with the nodes' new numbers `own`, of which there are `count`."""
         faces = np.where(self.faces < self.count, own[np.minimum(self.faces, self.count - 1)], self.faces - self.count + count)
         return replace(self, pairs=own[self.pairs], faces=faces, count=count)
 
 
 def cut_open(mesh: Mesh, faces: np.ndarray, point: np.ndarray | None, eye: list[float]) -> Cut | None:
-    """The body without what is between a plane through the point (through the middle without one) and the eye; None where the
-    plane meets nothing."""
+    """Removes the part of the body between the eye and a plane through the point, or through the middle without one. Returns None if
+    the plane meets nothing."""
     axis = int(np.argmax(np.abs(eye[:2])))
     low, high = mesh.points[:, axis].min(), mesh.points[:, axis].max()
     place = (low + high) / 2 if point is None else np.clip(point[axis], *(low + np.array([0.2, 0.8]) * (high - low)))
@@ -44,7 +44,7 @@ def cut_open(mesh: Mesh, faces: np.ndarray, point: np.ndarray | None, eye: list[
 
 
 def clipped(faces: np.ndarray, height: np.ndarray, pairs: np.ndarray, count: int) -> np.ndarray:
-    """The parts of triangles where heights at the nodes are negative; points on edges are those of `pairs`, numbered from
+    """Returns the parts of triangles where heights at the nodes are negative; points on edges are those of `pairs`, numbered from
     `count` on."""
     keys = pairs[:, 0] * count + pairs[:, 1]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may colour a body: the fields that a run stored, as a number at each node."""
+"""Fields that a run stored, as a number at each node, for colouring the body."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ TENSORS = {"stress": "Pa", "strain": ""}
 
 @dataclass(frozen=True)
 class Field:
-    """A number for each node or cell, made of a field's components by `of`; `support`: the nodes of the part of the boundary
-    that the field belongs to, where it does."""
+    """Number for each node or cell, made of a field's components by `of`. `support`: nodes of the part of the boundary that the
+    field belongs to; None if it belongs to the body."""
 
     name: str
     unit: str
@@ -33,21 +33,21 @@ class Field:
         return self.unit != "" and not self.unit.startswith("×")
 
     def at(self, time: float) -> np.ndarray:
-        """Values at the nodes at the stored time nearest to `time` (s)."""
+        """Returns the values at the nodes at the stored time nearest to `time` (s)."""
         return nodal(self.series, self.of(self.series.components(nearest(self.series.times, time))), self.support)
 
     def vectors(self, time: float) -> np.ndarray:
-        """The field itself, likewise, nodes × dim."""
+        """Returns the field's vectors at the nodes at the stored time nearest to `time` (s), nodes × dim."""
         return nodal(self.series, self.series.at(nearest(self.series.times, time)), self.support)
 
 
 def stored_fields(run: RunFolder) -> list[Field]:
-    """All that state.xdmf, control.xdmf and adjoint.xdmf hold."""
+    """Returns all fields of state.xdmf, control.xdmf and adjoint.xdmf."""
     return [*vectors(run, "displacement", "velocity"), *scalars(run), *tensors(run), *vectors(run, "control", "adjoint")]
 
 
 def vectors(run: RunFolder, *names: str) -> Iterator[Field]:
-    """Magnitudes."""
+    """Yields the magnitudes of vector fields that are stored."""
     for name in names:
         file, unit = VECTORS[name]
         if (series := held(run, file, name)) is not None:
@@ -62,7 +62,7 @@ def scalars(run: RunFolder) -> Iterator[Field]:
 
 
 def tensors(run: RunFolder) -> Iterator[Field]:
-    """Each component that is not zero throughout."""
+    """Yields each component of stored tensors that is not zero throughout."""
     for name, unit in TENSORS.items():
         if (series := held(run, "state.xdmf", name)) is None:
             continue
@@ -74,7 +74,7 @@ def tensors(run: RunFolder) -> Iterator[Field]:
 
 
 def held(run: RunFolder, file: str, name: str) -> Series | None:
-    """A field that a file holds, where it does."""
+    """Returns a field of a file; None if the file lacks it."""
     try:
         return run.field(file, name)
     except NotInRun:
@@ -82,8 +82,8 @@ def held(run: RunFolder, file: str, name: str) -> Series | None:
 
 
 def nodal(series: Series, values: np.ndarray, support: np.ndarray | None = None) -> np.ndarray:
-    """Values at the nodes; of a field that is constant in each cell the mean over the cells there, of one that belongs to the
-    boundary those cells that have a value."""
+    """Returns values at the nodes. A field that is constant in each cell has the mean over the cells there; if it belongs to the
+    boundary, over those cells that have a value."""
     if not series.cellwise:
         return values
     mesh = series.mesh
@@ -96,8 +96,8 @@ def nodal(series: Series, values: np.ndarray, support: np.ndarray | None = None)
 
 
 def support_of(run: RunFolder, control: Series) -> np.ndarray | None:
-    """Which nodes a control of a part of the boundary ever acts at; None for one of the body."""
-    if run.told(lambda: run.manifest["control_unit"]) != "N/m²":
+    """Flags the nodes at which a control of a part of the boundary ever acts; None for a control of the body."""
+    if run.entry(lambda: run.manifest["control_unit"]) != "N/m²":
         return None
     acts = np.any([control.at(i).any(axis=1) for i in range(len(control.times))], axis=0)
     if not control.cellwise:
@@ -106,8 +106,8 @@ def support_of(run: RunFolder, control: Series) -> np.ndarray | None:
 
 
 def nodes_of_facets(mesh: Mesh, acts: np.ndarray) -> np.ndarray:
-    """The nodes of those facets of the boundary by which a field acts on cells, `acts`: of a cell at an edge of the body, which
-    has several, those that are joined to the only facet of another one."""
+    """Flags the nodes of those facets of the boundary by which a field acts on the cells `acts`. Of a cell with several facets, at an
+    edge of the body, those count that are joined to the only facet of another cell."""
     facets, owner = mesh.facets()
     facets, owner = facets[acts[owner]], owner[acts[owner]]
     alone = np.bincount(owner, minlength=len(acts))[owner] == 1
@@ -119,7 +119,7 @@ def nodes_of_facets(mesh: Mesh, acts: np.ndarray) -> np.ndarray:
 
 
 def area(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
-    """Lengths of edges, areas of triangles."""
+    """Returns lengths of edges or areas of triangles."""
     corners = mesh.points[facets]
     if facets.shape[1] == 2:
         return np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of a run's page about a fit: what was fitted, how well, and what the data did not tell."""
+"""Parts of a run's page about a fit: fitted unknowns, the misfit, and unknowns that the data do not determine."""
 
 import csv
 import io
@@ -18,7 +18,7 @@ ELLIPSES = {"39 %: one deviation along each axis": 1.0, "95 %": 5.991**0.5}  # o
 
 @dataclass(frozen=True)
 class Measured:
-    """One measurement of measurements.csv, in SI."""
+    """Measurement of measurements.csv, in SI."""
 
     time: np.ndarray
     value: np.ndarray
@@ -27,7 +27,7 @@ class Measured:
 
 
 def measurements(run: RunFolder) -> dict[str, Measured]:
-    """By name. Raises NotInRun without measurements.csv."""
+    """Reads the measurements by name. Raises NotInRun without measurements.csv."""
     file = run.path / "measurements.csv"
     if not file.is_file():
         raise NotInRun(f"there is no measurements.csv in {run.path}")
@@ -38,7 +38,7 @@ def measurements(run: RunFolder) -> dict[str, Measured]:
 
 
 def sections(run: RunFolder, gather: Gathering) -> list[Section]:
-    """None for a run that fitted nothing."""
+    """Makes the parts of the page; none for a run that fitted nothing."""
     if not run.is_fit:
         return []
     fit = run.manifest["fit"]
@@ -48,34 +48,34 @@ def sections(run: RunFolder, gather: Gathering) -> list[Section]:
 
 
 def facts(run: RunFolder) -> list[tuple[str, str]]:
-    """How well the data were met."""
+    """Returns the misfit as a fact of the page."""
     if not run.is_fit:
         return []
     fit = run.manifest["fit"]
-    told = "" if fit["not_told"] else " All unknowns are told by the data."
+    determined = "" if fit["not_told"] else " The data determine all unknowns."
     return [("Misfit", f"{fit['misfit']:.3g} standard deviations (root mean square of {fit['values']} values): about 1 where the model "
-                       f"explains the data but for their noise.{told}")]  # fmt: skip
+                       f"explains the data but for their noise.{determined}")]  # fmt: skip
 
 
 def unit_of(run: RunFolder, name: str) -> str:
-    """Of a measurement's values, SI."""
+    """Returns the unit of a measurement's values, SI."""
     of = next(one["of"] for one in run.scene["measurement"] if one["name"] == name)
     return {"displacement": "m", "velocity": "m/s"}.get(of) or style.per_depth({"force": "N", "impulse": "N s"}[of], run.dim)
 
 
 def shown(value: float | None, digits: int) -> str:
-    return "not told" if value is None else f"{value:.{digits}g}"
+    return "undetermined" if value is None else f"{value:.{digits}g}"
 
 
 def with_deviation(unknown: dict) -> str:
-    """The value of an unknown with its standard deviation."""
+    """Returns the value of an unknown with its standard deviation."""
     if unknown["value"] is None or unknown["standard_deviation"] is None:
         return shown(unknown["value"], 6)
     return f"{unknown['value']:.6g} ± {unknown['standard_deviation']:.3g}"
 
 
 def unknowns(run: RunFolder) -> Table:
-    """What parameters.csv has."""
+    """Makes a table of the fitted unknowns, as in parameters.csv."""
     rows = []
     for one in run.manifest["unknowns_fitted"]:
         bounds = [f"{one[side]:.4g}" if one[side] is not None else "none" for side in ("lower", "upper")]
@@ -91,7 +91,7 @@ def correlations(run: RunFolder) -> list[Table]:
         return []
     rows = [[name, *(f"{value:+.2f}" for value in row)] for name, row in zip(names, run.manifest["fit"]["correlations"])]
     values = ", ".join(f"{value:.3g}" for value in run.manifest["fit"]["singular_values"])
-    return [Table(f"Correlations: near ±1 the data tell two unknowns together, not each. Singular values of the scaled derivatives: {values}",
+    return [Table(f"Correlations: near ±1 the data determine two unknowns together, not each. Singular values of the scaled derivatives: {values}",
                   ["", *names], rows)]  # fmt: skip
 
 
@@ -102,14 +102,14 @@ def times(run: RunFolder) -> list[Table]:
 
 
 def band(x: np.ndarray, low: np.ndarray, high: np.ndarray, name: str) -> dict:
-    """The area between two curves."""
+    """Makes a trace of the area between two curves."""
     return {"type": "scatter", "mode": "lines", "name": name, "x": packed(np.concatenate([x, x[::-1]])),
             "y": packed(np.concatenate([high, low[::-1]])), "fill": "toself", "fillcolor": "rgba(213, 94, 0, 0.18)",
             "line": {"width": 0}, "hoverinfo": "skip"}  # fmt: skip
 
 
 def compared(run: RunFolder) -> Chart:
-    """Data and simulation over time, a view for each measurement."""
+    """Makes the chart of data and simulation over time, a view for each measurement."""
     views = {}
     for name, one in measurements(run).items():
         time, title = time_axis(one.time)
@@ -120,7 +120,7 @@ def compared(run: RunFolder) -> Chart:
 
 
 def residuals(run: RunFolder) -> Chart:
-    """In standard deviations."""
+    """Makes the chart of residuals in standard deviations, a view for each measurement."""
     views = {}
     for name, one in measurements(run).items():
         time, title = time_axis(one.time)
@@ -130,7 +130,7 @@ def residuals(run: RunFolder) -> Chart:
 
 
 def confidence(run: RunFolder) -> Chart:
-    """Where pairs of unknowns lie, a view for each pair."""
+    """Makes the chart of confidence ellipses, a view for each pair of unknowns."""
     given, matrix = run.manifest["unknowns_fitted"], run.manifest["fit"]["correlations"]
     angle = np.linspace(0, 2 * np.pi, 181)
     views = {}
@@ -148,7 +148,7 @@ def confidence(run: RunFolder) -> Chart:
         curves.append(dots("fitted", np.array([a["value"]]), np.array([b["value"]]), style.VERMILLION, size=9))
         views[f"{a['name']} and {b['name']}"] = figure(curves, axis_title(a), axis_title(b))
     if not views:
-        raise NotInRun("there are no two unknowns that the data tell")
+        raise NotInRun("the data determine no two unknowns")
     return Chart("confidence", "Confidence", views, "Of 100 such measurements so many have the true values within, to first order.")
 
 
@@ -157,7 +157,7 @@ def axis_title(unknown: dict) -> str:
 
 
 def course(run: RunFolder) -> Chart:
-    """J and the unknowns over the iterations."""
+    """Makes the chart of J and the unknowns over the iterations."""
     history = run.history
     iteration, objective = history["iteration"], history["objective"]
     logarithmic = {"type": "log", "exponentformat": "power"}

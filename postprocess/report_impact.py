@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of a run's page that sums up what run.json tells of the impact and of the energy."""
+"""Part of a run's page that summarises impact and energy, from run.json."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from .style import per_depth, prefixed
 
 
 def impact(run: RunFolder) -> list[Table]:
-    """Contact with each obstacle, and the body before and after; nothing where the run did not sum it up or nothing touched."""
+    """Makes tables of contact with each obstacle and of the body before and after; none without a summary or without contact."""
     given = run.manifest.get("impact")
     if not given or not given["all"]["contact_time"]:
         return []
@@ -45,7 +45,7 @@ def impact(run: RunFolder) -> list[Table]:
 
 
 def touch(run: RunFolder, name: str, given: dict) -> list[str]:
-    """A row of what touched, of dashes where nothing did."""
+    """Makes the row of an obstacle, with dashes if it was not touched."""
     if not given["contact_time"]:
         return [name, "never", *["–"] * 7]
     force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
@@ -56,7 +56,7 @@ def touch(run: RunFolder, name: str, given: dict) -> list[str]:
 
 
 def vector(components: list[float], unit: str) -> str:
-    """Its components with one prefix; what is rounding beside the largest is 0."""
+    """Writes a vector's components with one prefix; those within rounding of the largest are 0."""
     parts = np.array(components)
     parts[np.abs(parts) < 1e-9 * np.abs(parts).max(initial=0)] = 0
     factor, unit = prefixed(parts, unit)
@@ -64,7 +64,7 @@ def vector(components: list[float], unit: str) -> str:
 
 
 def energy_account(run: RunFolder) -> list[Table]:
-    """Where the energy came from and went to; nothing where the run did not sum it up."""
+    """Makes a table of gains and losses of energy; none without a summary."""
     given = run.manifest.get("energy")
     if not given:
         return []

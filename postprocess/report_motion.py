@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The body in motion as a page shows it: some of the stored times, rounded to 16 bits, of a body in space its surface and
-what a cut through it shows."""
+"""Body in motion as a page shows it: some of the stored times, rounded to 16 bits; in space the body's surface and a cut
+through it."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ ARROW = 0.15  # length of the longest, as a part of the body's size
 
 @dataclass(frozen=True)
 class Drawing:
-    """The nodes of a run's mesh that a page draws (their numbers there), the triangles between them and the cut."""
+    """Nodes of a run's mesh that a page draws (their numbers there), the triangles between them, and the cut."""
 
     nodes: np.ndarray
     mesh: Mesh
@@ -34,10 +34,10 @@ class Drawing:
 
 
 def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | None = None) -> dict:
-    """What report_motion.js draws: positions in m, fields frame by frame, both as whole numbers times a scale.
+    """Returns the data of report_motion.js: positions in m, fields frame by frame, both as whole numbers times a scale.
 
-    At the stored times nearest to those given, else at as many stored ones as a page can hold; displacements so many times
-    as large, else such that they are seen.
+    `times`: the nearest stored ones are shown; by default as many as a page can contain. `enlarged`: factor of displacements;
+    by default such that they are visible.
     """
     series = run.field("state.xdmf", "displacement")
     peak = run.peak_time
@@ -72,7 +72,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
 
 
 def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
-    """Of a plane body everything, of one in space its surface and the nodes about a cut."""
+    """Selects all of a plane body; of one in space its surface and the nodes about a cut."""
     faces = mesh.cells if run.dim == 2 else mesh.surface()[0]
     cut = None if run.dim == 2 else cut_open(mesh, faces, cut_point(run, peak), eye(run, mesh))
     nodes = np.unique(np.concatenate([faces.ravel()] + ([] if cut is None else [cut.pairs.ravel()])))
@@ -86,7 +86,7 @@ def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
 
 
 def cut_point(run: RunFolder, peak: float | None) -> np.ndarray | None:
-    """The candidate that is pushed the most at a time (s), where there is one."""
+    """Returns the point of the candidate that is pushed the most at a time (s); None without one."""
     if peak is None or not run.has_contact_table:
         return None
     contact = run.contact
@@ -94,7 +94,7 @@ def cut_point(run: RunFolder, peak: float | None) -> np.ndarray | None:
 
 
 def eye(run: RunFolder, mesh: Mesh) -> list[float]:
-    """From where a body in space is seen: beside its longer side, a little from above, and not through a wall."""
+    """Returns the viewpoint for a body in space: beside its longer side, a little from above, and not behind a wall."""
     if run.dim == 2:
         return [0.0, 0.0, 1.5]
     x, y, _ = np.ptp(mesh.points, axis=0)
@@ -109,7 +109,7 @@ def eye(run: RunFolder, mesh: Mesh) -> list[float]:
 
 
 def frames(times: np.ndarray, numbers: int, peak: float) -> np.ndarray:
-    """Which of the stored times (s) are shown, always the last one and that of the peak; numbers in one frame."""
+    """Selects the stored times (s) to show, always the last one and that of the peak. `numbers`: size of one frame."""
     stored = len(times)
     most = min(MOST_FRAMES, max(2, MOST_NUMBERS // numbers))
     stride = max(1, -(-(stored - 1) // (most - 1)))
@@ -126,7 +126,7 @@ def count_note(shown: int, stored: int) -> str:
 
 def seen_obstacles(run: RunFolder, mesh: Mesh, times: np.ndarray, position: np.ndarray, enlarged: float,
                    notes: list[str]) -> tuple[list[Scenery], np.ndarray]:
-    """Obstacles and the box of the picture; a note where they cannot be drawn."""
+    """Returns obstacles and the box of the picture; adds a note if they cannot be drawn."""
     try:
         obstacles = drawn_obstacles(run, enlarged)
     except NotInRun as reason:
@@ -136,7 +136,7 @@ def seen_obstacles(run: RunFolder, mesh: Mesh, times: np.ndarray, position: np.n
 
 
 def packed_scenery(scenery: Scenery, count: int) -> dict:
-    """An obstacle for report_motion.js: an offset for each frame where it moves, a shape for each where that changes."""
+    """Packs an obstacle for report_motion.js: an offset for each frame if it moves, a shape for each if that changes."""
     return {
         "name": scenery.name,
         "shapes": [{"points": packed(points.T), "faces": packed(faces.T, "i4")} for points, faces in scenery.shapes],
@@ -150,7 +150,7 @@ def packed_cut(cut: Cut) -> dict:
 
 
 def colouring(field: Field, times: np.ndarray, drawing: Drawing, size: float) -> dict:
-    """A field at the stored times nearest to those given (s)."""
+    """Packs a field at the stored times nearest to those given (s)."""
     values = np.stack([field.at(time)[drawing.nodes] for time in times])
     factor, unit = style.prefixed(values, field.unit) if field.prefixed else (1.0, field.unit)
     values = values * factor
@@ -162,7 +162,7 @@ def colouring(field: Field, times: np.ndarray, drawing: Drawing, size: float) ->
 
 
 def boundary_field(field: Field, times: np.ndarray, drawing: Drawing, size: float) -> dict:
-    """Edges of the surface, in the plane, that carry a field of a part of the boundary, and its vectors as arrows."""
+    """Packs the edges, in the plane, that carry a field of a part of the boundary, and its vectors as arrows."""
     support = field.support[drawing.nodes]
     edges = drawing.edges[support[drawing.edges.astype(int)].all(axis=1)] if len(drawing.edges) else drawing.edges
     at = np.flatnonzero(support)
@@ -174,14 +174,14 @@ def boundary_field(field: Field, times: np.ndarray, drawing: Drawing, size: floa
 
 
 def rounded(values: np.ndarray, kind: str) -> dict:
-    """Frames of values as whole numbers and what one of them stands for."""
+    """Packs frames of values as whole numbers with their scale."""
     scale = np.abs(values).max(initial=0) / np.iinfo(kind).max or 1.0
     low, high = float(values.min(initial=0)), float(values.max(initial=0))
     return {"values": packed(np.rint(values / scale), kind), "scale": float(scale), "least": low, "largest": high}
 
 
 def touching(run: RunFolder, mesh: Mesh, times: np.ndarray) -> dict | None:
-    """Candidates among the mesh's nodes, and which of them are in contact in each frame."""
+    """Packs the candidates among the mesh's nodes, and flags of those in contact in each frame."""
     if not run.has_contact or not run.has_contact_table:
         return None
     contact = run.contact

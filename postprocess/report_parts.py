@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a page is made of: sections of charts and tables, and numbers as plotly.js reads them."""
+"""Parts of a page: sections of charts and tables, and numbers as plotly.js reads them."""
 
 import base64
 from collections.abc import Callable
@@ -16,7 +16,7 @@ GREY = "#8c8c8c"
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart of plotly.js. Of several views (data and layout by name) a selector shows one at a time."""
+    """Chart of plotly.js. A selector shows one of several views (data and layout by name) at a time."""
 
     name: str
     title: str
@@ -25,7 +25,7 @@ class Chart:
 
     @staticmethod
     def single(name: str, title: str, view: dict, note: str = "") -> "Chart":
-        """A chart with nothing to select."""
+        """Makes a chart with nothing to select."""
         return Chart(name, title, {"": view}, note)
 
 
@@ -40,7 +40,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page under a heading."""
+    """Part of the page under a heading."""
 
     name: str
     title: str
@@ -48,14 +48,14 @@ class Section:
     tables: list[Table] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
     motions: list[dict] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)  # of the motions, where there are several
+    names: list[str] = field(default_factory=list)  # names of the motions, where there are several
     file: tuple[str, str] | None = None  # name and content, folded
 
 
 @dataclass(frozen=True)
 class Page:
-    """All of a page; `identity` says which run or study it shows; facts are names and values; left_out names the parts without
-    data."""
+    """Content of a page. `identity`: the run or study that it shows; `facts`: names and values; `left_out`: names of the parts
+    without data."""
 
     title: str
     kind: str
@@ -65,29 +65,29 @@ class Page:
     left_out: list[str]
 
     def shown(self) -> list[Section]:
-        """The sections with anything in them."""
+        """Returns the sections that are not empty."""
         return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file]
 
     def data(self) -> dict:
-        """What the page's script draws."""
+        """Returns the data of the page's script."""
         motions = next((section.motions for section in self.sections if section.motions), [])
         charts = {chart.name: chart.views for section in self.sections for chart in section.charts}
         return {"charts": charts, "motions": motions}
 
 
 class Gathering:
-    """Takes what parts a folder has data for and remembers why there are no others."""
+    """Collects the parts for which a folder has data, and the reasons why others are missing."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.missing: dict[str, list[str]] = {}
 
     def __call__(self, name: str, make: Callable, *given: object) -> list:
-        """A list of what `make` returns, empty if the run has no data for it."""
+        """Returns a list with the result of `make`, empty if the run has no data for it."""
         try:
             return [make(*given)]
         except NotInRun as reason:
-            # Whoever reads the page knows no folders.
+            # Folders mean nothing to readers of the page.
             self.missing.setdefault(str(reason).replace(f" in {self.folder}", ""), []).append(name)
             return []
 
@@ -96,42 +96,42 @@ class Gathering:
 
 
 def packed(values: np.ndarray, kind: str = "f4") -> dict:
-    """An array as plotly.js reads it, of little-endian numbers of a kind such as f4, i2, u2, u1."""
+    """Packs an array as plotly.js reads it, of little-endian numbers of a kind such as f4, i2, u2, u1."""
     values = np.asarray(values)
     array = {"dtype": kind, "bdata": base64.b64encode(values.astype(f"<{kind}").tobytes()).decode()}
     return array | ({"shape": ",".join(map(str, values.shape))} if values.ndim > 1 else {})
 
 
 def line(name: str, x: np.ndarray, y: np.ndarray, colour: str, dash: str = "solid", width: float = 2.2) -> dict:
-    """A curve."""
+    """Makes a trace of a curve."""
     return {"type": "scatter", "mode": "lines", "name": name, "x": packed(x), "y": packed(y),
             "line": {"color": colour, "dash": dash, "width": width}}
 
 
 def dots(name: str, x: np.ndarray, y: np.ndarray, colour: str, symbol: str = "circle", size: float = 5) -> dict:
-    """Points that no line joins."""
+    """Makes a trace of points without a line."""
     return {"type": "scatter", "mode": "markers", "name": name, "x": packed(x), "y": packed(y),
             "marker": {"color": colour, "symbol": symbol, "size": size}}
 
 
 def figure(data: list[dict], x: str, y: str, **layout: dict) -> dict:
-    """Traces under the titles of their axes; axes' further properties by the names that plotly.js has for them."""
+    """Makes a view of traces with titles of axes. `layout`: further properties of the axes, as in plotly.js."""
     titles = {"xaxis": x, "yaxis": y}
     return {"data": data, "layout": {axis: {"title": {"text": title}} | layout.get(axis, {}) for axis, title in titles.items()}}
 
 
 def time_axis(times: np.ndarray) -> tuple[np.ndarray, str]:
-    """Times (s) in a short unit, and the axis' title."""
+    """Returns times (s) in a short unit, and the title of the axis."""
     factor, unit = prefixed(times, "s")
     return times * factor, f"time ({unit})"
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number with its unit, prefixed such that it is short."""
+    """Writes a number with its unit, prefixed such that it is short."""
     factor, unit = prefixed(value, unit)
     return f"{value * factor:.4g} {unit}"
 
 
 def whole(number: float) -> str:
-    """A count with its thousands apart, nothing for NaN."""
+    """Writes a count with its thousands apart, nothing for NaN."""
     return "" if np.isnan(number) else f"{number:,.0f}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of a run's page about what the scene follows over time: a chart for each probe of probes.csv."""
+"""Part of a run's page about probes: a chart over time for each probe of probes.csv."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashd
 
 
 def charts(run: RunFolder) -> list[Chart]:
-    """One for each probe, a view for each of its quantities; none for a run without probes."""
+    """Makes one chart for each probe, with a view for each of its quantities; none for a run without probes."""
     try:
         table = run.probes
     except NotInRun:
@@ -29,17 +29,17 @@ def charts(run: RunFolder) -> list[Chart]:
 
 
 def stem(quantity: str) -> str:
-    """Without the axis of a component."""
+    """Returns a quantity without the axis of a component."""
     return quantity[:-2] if quantity[-2:] in ("_x", "_y", "_z") else quantity
 
 
 def unit_of(run: RunFolder, quantity: str) -> str:
-    """SI, nothing for a quantity that is not known here."""
+    """Returns the SI unit of a quantity, empty for one that is unknown here."""
     return UNITS.get(quantity) or (style.per_depth(PER_DEPTH[quantity], run.dim) if quantity in PER_DEPTH else "")
 
 
 def view(run: RunFolder, name: str, columns: list[str]) -> dict:
-    """The components of a quantity."""
+    """Makes a view of the components of a quantity."""
     unit = unit_of(run, name)
     values = [run.probes[column] for column in columns]
     factor, unit = style.prefixed(np.concatenate(values), unit) if unit else (1.0, "")

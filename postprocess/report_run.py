@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run's page: what was run, the body in motion, contact, control, energies, probes, convergence and times."""
+"""Page of a run: facts, the body in motion, contact, control, energies, probes, convergence and times."""
 
 import numpy as np
 
@@ -14,14 +14,14 @@ SHADES = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"]  # v
 
 
 def page(run: RunFolder) -> Page:
-    """Raises NotInRun where there is no run.json, Unreadable where a file is damaged."""
+    """Makes the page. Raises NotInRun without run.json, Unreadable if a file is damaged."""
     gather = Gathering(run.path)
-    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, run.identity, facts(run), sections_of(run, gather),
+    return run.entry(lambda: Page(str(run.manifest["scene"]), run.verb, run.identity, facts(run), sections_of(run, gather),
                                  gather.left_out()))  # fmt: skip
 
 
 def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
-    """All parts below the facts."""
+    """Makes all parts below the facts."""
     motion = gather("the body in motion", report_motion.motion, run)
     varying = "shortest" in run.manifest.get("steps", {})
     contact = [*gather("contact force", report_contact.contact_force, run),
@@ -50,7 +50,7 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
 
 
 def facts(run: RunFolder) -> list[tuple[str, str]]:
-    """What was run and what came of it, nothing that is the machine's alone."""
+    """Returns facts about the run and its results, without those that depend on the machine alone."""
     given, scene = run.manifest, run.scene
     steps, time = given["steps"], scene["time"]
     found = []
@@ -84,26 +84,26 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
 
 
 def accuracy(given: dict) -> str:
-    """What was asked of the answer, and what is estimated."""
+    """Describes the accuracy asked for and estimated."""
     met = "met" if given["met"] else f"not verified, {given['doubt']}" if given["doubt"] else "not met"
     return (f"{given['asked']:g} of {given['quantity']} asked, {given['estimated']:.2g} estimated: {met} "
             f"(space {given['space']:.1g}, time {given['time']:.1g}, search {given['search']:.1g})")  # fmt: skip
 
 
 def step_lengths(run: RunFolder) -> Chart:
-    """Over time, under the contact force, where they vary."""
+    """Makes the chart of step lengths over time, for runs with varying steps."""
     times = run.steps["time"]
     lengths = np.diff(times)
     factor, unit = style.prefixed(lengths, "s")
     shown, title = time_axis(times)
     curve = line("length of the steps", shown, lengths[[0, *range(len(lengths))]] * factor, style.BLUE)
-    curve["line"]["shape"] = "vh"  # that of the step that ends there
+    curve["line"]["shape"] = "vh"  # length of the step that ends there
     view = figure([curve], title, f"step length ({unit})", xaxis={"range": [0, shown[-1]]}, yaxis=logarithmic(lengths * factor))
     return Chart.single("step-lengths", "Length of the steps over time", view)
 
 
 def error_indicators(run: RunFolder) -> Chart:
-    """The mesh, its cells coloured by their share in the error."""
+    """Makes the chart of the mesh, with cells coloured by their share in the error."""
     table = run.indicators
     share = table["indicator"]
     corners = [np.stack([table[f"x{i}"], table[f"y{i}"]], axis=1) for i in range(3)]
@@ -122,18 +122,18 @@ def error_indicators(run: RunFolder) -> Chart:
 
 
 def masses(scene: dict) -> list[str]:
-    """What mass the candidates have, none without contact."""
+    """Returns the kinds of mass of the candidates; none without contact."""
     contact = scene.get("contact", [])
     return sorted({table["mass"] for table in (contact if isinstance(contact, list) else [contact])})
 
 
 def objective_unit(run: RunFolder) -> str:
-    """J is a time integral of squared L2 norms of a length."""
+    """Returns the unit of J, a time integral of squared L2 norms of a length."""
     return f"m{'⁴' if run.dim == 2 else '⁵'} s"
 
 
 def logarithmic(*values: np.ndarray) -> dict:
-    """An axis of powers of ten, or of a few numbers where the values hardly span one."""
+    """Returns an axis of powers of ten, or of a few numbers where the values hardly span one."""
     shown = np.concatenate([part[part > 0] for part in values])
     decades = np.log10(shown.max() / shown.min())
     ticks = {"dtick": int(np.ceil(decades / 8))} if decades > 1.3 else {"nticks": 6}
@@ -141,7 +141,7 @@ def logarithmic(*values: np.ndarray) -> dict:
 
 
 def energies(run: RunFolder) -> Chart:
-    """At the time steps; the dissipation only of a body that has viscosity, the potential only where loads do work."""
+    """Makes the chart of energies at the time steps; dissipation only with viscosity, potential only where loads do work."""
     steps = run.steps
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], np.cumsum(steps["viscous_dissipation"])
     potential = potential_of_loads(steps)
@@ -156,7 +156,7 @@ def energies(run: RunFolder) -> Chart:
         note = "The potential of the loads falls by the work that they do; it is 0 where it is least."
     curves.append(line("kinetic + elastic" + " + potential" * (potential is not None), times, whole_energy * factor, "black"))
     other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
-    if np.abs(other).max() > 1e-12 * whole_energy.max() and run.told(lambda: drives(run)):
+    if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):
         curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
     if dissipated[-1] > 0:
         curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILLION, "dashdot"))
@@ -165,14 +165,14 @@ def energies(run: RunFolder) -> Chart:
 
 
 def drives(run: RunFolder) -> bool:
-    """Whether what the run wrote tells the work of a control or of clamps that move from that of loads."""
+    """Whether the run's files separate the work of a control or of moving clamps from that of loads."""
     effects = run.manifest["effects"]
     loads = any(effects.get(name) for name in ("body load", "gravity", "traction"))
     return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not loads)
 
 
 def residuals(run: RunFolder) -> Chart:
-    """What is left of the laws that each step keeps to rounding."""
+    """Makes the chart of residuals of the laws that each step satisfies to rounding."""
     times, title = time_axis(run.steps["time"])
     laws = {name: law for name, law in relative_residuals(run.steps, run.has_contact).items() if (law > 0).any()}
     if not laws:
@@ -187,28 +187,28 @@ def residuals(run: RunFolder) -> Chart:
 
 
 def relative_residuals(steps: Columns, has_contact: bool) -> dict[str, np.ndarray]:
-    """Of the energy law, the momentum law and the contact condition."""
+    """Returns the relative residuals of the energy law, the momentum law and the contact condition."""
     largest = (steps["kinetic_energy"] + steps["elastic_energy"]).max()
     laws = {"energy law": np.abs(steps["energy_residual"]) / (largest or 1.0), "momentum law": steps["momentum_residual"]}
     return laws | ({"contact condition": steps["complementarity"]} if has_contact else {})
 
 
 def positive(values: np.ndarray) -> np.ndarray:
-    """NaN where a logarithm has no place."""
+    """Replaces values that have no logarithm by NaN."""
     return np.where(values > 0, values, np.nan)
 
 
 def invariants(run: RunFolder) -> Table:
-    """The worst of the run, as the program measured it."""
+    """Makes a table of the largest residuals of the run, as the program measured them."""
     watched = run.manifest.get("invariants")
     if not watched:
-        raise NotInRun("the run did not look at invariants")
+        raise NotInRun("the run did not watch invariants")
     return Table("The worst of all steps, beyond what rounding explains", ["Law, residual / scale", "Worst", "Step"],
                  [[name, f"{defect['worst']:.2g}", whole(defect["step"])] for name, defect in watched.items()])
 
 
 def objective(run: RunFolder) -> Chart:
-    """J and its parts over the iterations."""
+    """Makes the chart of J and its parts over the iterations."""
     history = run.history
     looks = {"objective": ("J", "black", "solid"), "tracking": ("tracking", style.BLUE, "dash"),
              "terminal": ("end state", style.GREEN, "dot"),
@@ -226,7 +226,7 @@ def objective(run: RunFolder) -> Chart:
 
 
 def gradient_norm(run: RunFolder) -> Chart:
-    """Beside what it must come down to."""
+    """Makes the chart of the gradient norm beside its tolerance."""
     iteration, norm = run.history["iteration"], run.history["gradient_norm"]
     if not (norm > 0).any():
         raise NotInRun("the gradient is zero")
@@ -238,7 +238,7 @@ def gradient_norm(run: RunFolder) -> Chart:
 
 
 def distance(run: RunFolder) -> Chart:
-    """How far the control is from the one that made the desired state."""
+    """Makes the chart of the control's distance from the one that made the desired state."""
     iteration, relative = run.history["iteration"], run.history["relative_distance_to_reference"]
     if not (relative > 0).any():
         raise NotInRun("the desired state was not given by a reference control")
@@ -248,7 +248,7 @@ def distance(run: RunFolder) -> Chart:
 
 
 def tracking_error(run: RunFolder) -> Chart:
-    """How far the state is from the desired one, over time."""
+    """Makes the chart of the state's distance from the desired one, over time."""
     error = run.steps.get("tracking_error", np.array([np.nan]))
     if not np.isfinite(error).any():
         raise NotInRun("the run has no desired state")
@@ -259,7 +259,7 @@ def tracking_error(run: RunFolder) -> Chart:
 
 
 def timings(run: RunFolder) -> Chart:
-    """Seconds of each phase, the longest on top."""
+    """Makes the chart of the seconds of each phase, the longest on top."""
     phases = sorted(run.manifest.get("timings", {}).items(), key=lambda phase: phase[1]["seconds"])
     if not phases:
         raise NotInRun("run.json has no timings")

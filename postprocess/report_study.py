@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A study's page: what accuracy costs, by which degree and scheme."""
+"""Page of a study: the cost of accuracy by degree and scheme."""
 
 import math
 
@@ -15,7 +15,7 @@ SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross"]
 
 
 def page(study: StudyFolder) -> Page:
-    """Raises Unreadable where study.json or study.csv is not as a study writes it."""
+    """Makes the page. Raises Unreadable if study.json or study.csv is not as a study writes it."""
     try:
         given = study.manifest
         facts = [("Rungs", whole(len(study.rungs))), ("Errors against", str(given["reference"])),
@@ -34,19 +34,19 @@ def page(study: StudyFolder) -> Page:
 
 
 def work_precision(study: StudyFolder) -> Chart:
-    """Error over seconds, a view for each quantity that has an error at all."""
+    """Makes the chart of error over seconds, a view for each quantity that has an error at all."""
     views = {heading(study, name): view(study, name) for name in study.manifest["quantities"]
              if any(rung[f"{name}_error"] > 0 for rung in study.rungs)}
     if not views:
         raise Unreadable(f"{study.path / 'study.csv'}: no rung has an error")
     return Chart("work-precision", "Error against time", views,
                  "Each mark is one rung. The dashed line joins those that no faster one equals, at the largest error of each and of "
-                 "all finer rungs, so that errors which are small by luck do not count. Below the dotted line, the error bar of the "
+                 "all finer rungs, so that errors which are small by coincidence do not count. Below the dotted line, the error bar of the "
                  "finest rung, errors mean nothing.")
 
 
 def view(study: StudyFolder, name: str) -> dict:
-    """One trace for each method, the Pareto front through those rungs that no other beats in both, and the reference's error bar."""
+    """Makes a view: one trace for each method, the Pareto front of rungs that no other beats in both, and the reference's error bar."""
     shown = [rung for rung in study.rungs if rung[f"{name}_error"] > 0]
     best = sorted((rung for rung in shown if rung[f"{name}_pareto"] == 1), key=lambda rung: rung["seconds"])
     data = [{"type": "scatter", "mode": "lines", "name": "Pareto front", **place(best, f"{name}_envelope"), "hoverinfo": "skip",
@@ -73,7 +73,7 @@ def place(rungs: list[Rung], column: str) -> dict:
 
 
 def described(rung: Rung, name: str) -> str:
-    """What is said of a rung that is pointed at."""
+    """Describes a rung, for the label of its mark."""
     lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, " + (f"steps of {rung['step']:.2g} s on average, {rung.step}" if rung.method.chosen else f"step {rung.step} s"),
              f"{whole(rung['unknowns'])} unknowns, {whole(rung['steps'])} steps",
              f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}",
@@ -106,7 +106,7 @@ def observed(order: dict, part: str) -> str:
 
 
 def values(study: StudyFolder, name: str) -> Table:
-    """Values beside errors, of one quantity."""
+    """Makes a table of values beside errors, of one quantity."""
     what = study.manifest["quantities"][name]
     unit = f", {what['unit']}" if what["unit"] and any(not math.isnan(rung[name]) for rung in study.rungs) else ""
     bar = f", {what['bar']['words']}" if what["bar"] else ""

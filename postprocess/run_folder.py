@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run left in its folder, as numpy arrays in SI units.
+"""Results of a run in its folder, as numpy arrays in SI units.
 
-Which file holds what is listed in docs/reference/files.md. Files are read when they are first asked for, so
-that a folder with a part of them serves the figures that need no more.
+docs/reference/files.md lists the contents of the files. Files are read when first used, so that a folder with
+a part of them suffices for the figures that need no others.
 """
 
 import json
@@ -29,8 +29,8 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Contact:
-    """What every candidate (m × dim, m) of an obstacle (m, numbers from 0) does at the stored times (s), times × m: gap (m),
-    normal force (N, in the plane N/m), whether it is in contact, pressure (N/m²); the force's direction (m × dim)."""
+    """Candidates (points m × dim, m; obstacles m, numbers from 0) at the stored times (s): gap (m), normal force (N, in the plane
+    N/m), whether in contact, pressure (N/m²), each times × m; direction of the force (m × dim)."""
 
     times: np.ndarray
     points: np.ndarray
@@ -43,12 +43,12 @@ class Contact:
 
     @property
     def most_pushed(self) -> int:
-        """The candidate with the largest force over time, the one nearest to its obstacle where there is none."""
+        """Number of the candidate with the largest force over time; without forces, of that nearest to its obstacle."""
         total = self.force.sum(axis=0)
         return int(np.argmax(total) if total.any() else np.argmin(self.gap.min(axis=0)))
 
     def by_node(self) -> "Contact":
-        """One candidate for each node: of one that several obstacles may touch the sum of the forces and the least gap."""
+        """Merges the candidates of each node: forces and pressures are added, and the least gap is taken."""
         points, first, node = np.unique(self.points, axis=0, return_index=True, return_inverse=True)
         shape, node = (len(self.times), len(points)), node.ravel()
         gap, force, pressure, touches = np.full(shape, np.inf), np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
@@ -59,7 +59,7 @@ class Contact:
         return Contact(self.times, points, np.zeros(len(points), int), gap, force, touches, self.normal[first], pressure)
 
     def of(self, obstacle: int) -> "Contact":
-        """The candidates of one obstacle alone."""
+        """Returns the candidates of one obstacle alone."""
         own = self.obstacle == obstacle
         return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own],
                        self.touches[:, own], self.normal[own], self.pressure[:, own])  # fmt: skip
@@ -67,8 +67,8 @@ class Contact:
 
 @dataclass(frozen=True)
 class ObstacleSteps:
-    """What an obstacle does at every time step: the moduli of its nodal forces in sum (N, in the plane N/m), and how many
-    candidates are in contact."""
+    """Contact with an obstacle at every time step: the sum of the moduli of its nodal forces (N, in the plane N/m), and the number
+    of candidates in contact."""
 
     name: str
     normal_force: np.ndarray
@@ -76,7 +76,7 @@ class ObstacleSteps:
 
 
 class RunFolder:
-    """The folder of one run. Raises Unreadable if there is no scene.toml in it."""
+    """Folder of one run. Raises Unreadable if there is no scene.toml in it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -87,12 +87,12 @@ class RunFolder:
 
     @cached_property
     def scene(self) -> dict:
-        """The scene with every default written out."""
+        """Scene with every default written out."""
         return self.read("scene.toml", read_scene)
 
     @cached_property
     def manifest(self) -> dict:
-        """run.json."""
+        """Content of run.json."""
         return self.read("run.json", lambda file: json.loads(whole_text(file)))
 
     @property
@@ -102,13 +102,13 @@ class RunFolder:
 
     @property
     def verb(self) -> str:
-        """What was run: simulate or optimize."""
+        """Verb of the run: simulate or optimize."""
         return str(self.manifest.get("verb", "run"))
 
     @property
     def identity(self) -> str:
-        """Which run the folder holds."""
-        return self.told(lambda: f"{self.verb} of {self.manifest['scene']}, finished "
+        """Description of the run in the folder: verb, scene and time."""
+        return self.entry(lambda: f"{self.verb} of {self.manifest['scene']}, finished "
                                  + str(self.manifest["finished"]).replace("T", " ").replace("Z", " UTC"))  # fmt: skip
 
     @cached_property
@@ -121,7 +121,7 @@ class RunFolder:
 
     @property
     def has_indicators(self) -> bool:
-        """Whether the run ordered an accuracy by the error's share of each cell."""
+        """Whether the run wrote each cell's share in the error."""
         return (self.path / "indicators.csv").is_file()
 
     @cached_property
@@ -136,7 +136,7 @@ class RunFolder:
 
     @cached_property
     def contact(self) -> Contact:
-        """contact.csv, by stored step and candidate node."""
+        """contact.csv: contact by stored step and candidate."""
         table = self._table("contact.csv", lambda: self.stored_steps * self.manifest["candidates"])
         steps, first = np.unique(table["step"], return_index=True)
         shape = (len(steps), -1)
@@ -152,19 +152,19 @@ class RunFolder:
 
     @cached_property
     def obstacles(self) -> list[Obstacle]:
-        """What the body may touch, in the scene's order."""
+        """Surfaces of the obstacles, in the scene's order."""
         return self.read("surfaces.h5", lambda file: read_obstacles(file, self.obstacle_names))
 
     @property
     def plane_normal(self) -> np.ndarray | None:
-        """The direction out of the one obstacle of a scene, where that is a plane."""
+        """Direction out of the only obstacle of a scene, if that is a plane; else None."""
         if not self.has_contact or len(self.obstacle_names) > 1 or not self.obstacles[0].flat:
             return None
         return normals(self.obstacles[0].points, self.obstacles[0].facets)[0]
 
     @cached_property
     def obstacle_steps(self) -> list[ObstacleSteps]:
-        """obstacles.csv, in the scene's order."""
+        """obstacles.csv: contact of each obstacle over the steps, in the scene's order."""
         table = self.read("obstacles.csv", lambda file: read_csv(file, {"obstacle": self.obstacle_names}))
         numbers = np.unique(table["obstacle"])
         rows = [table["obstacle"] == number for number in numbers]
@@ -175,12 +175,12 @@ class RunFolder:
 
     @cached_property
     def probes(self) -> Table:
-        """probes.csv: what the scene follows, one row per time step."""
+        """probes.csv: the probes of the scene, one row per time step."""
         return self._table("probes.csv", lambda: self.steps_done + 1)
 
     @property
     def obstacle_names(self) -> list[str]:
-        """Those that the scene gives, or numbers."""
+        """Names of the obstacles: those that the scene gives, or numbers."""
         given = self.scene.get("contact", [])
         tables = given if isinstance(given, list) else [given]
         return [table["obstacle"].get("name", f"obstacle {i}") for i, table in enumerate(tables, 1)]
@@ -208,7 +208,7 @@ class RunFolder:
 
     @cached_property
     def dim(self) -> int:
-        """Space dimension. Raises NotInRun where nothing tells."""
+        """Space dimension. Raises NotInRun where no file gives it."""
         for table, key in (("initial", "displacement"), ("initial", "velocity"), ("control", "initial")):
             if isinstance(given := self.scene.get(table, {}).get(key), list):
                 return len(given)
@@ -224,8 +224,8 @@ class RunFolder:
 
     @cached_property
     def normal_force(self) -> np.ndarray:
-        """The moduli of all nodal contact forces in sum at every time step, N (in the plane N/m). Raises NotInRun where the
-        run wrote the resultant of several directions only."""
+        """Sum of the moduli of all nodal contact forces at every time step, N (in the plane N/m). Raises NotInRun if the run wrote
+        the resultant of several directions only."""
         if "normal_force" in self.steps:
             return self.steps["normal_force"]
         if (normal := self.plane_normal) is None:
@@ -234,13 +234,13 @@ class RunFolder:
 
     @property
     def resultant(self) -> np.ndarray:
-        """Of the contact forces at every time step (steps × dim), N (in the plane N/m)."""
+        """Resultant of the contact forces at every time step (steps × dim), N (in the plane N/m)."""
         return np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
 
     @property
     def peak_time(self) -> float | None:
-        """The end of the step with the largest contact force, which is stored, s; None without contact and where no table
-        has forces."""
+        """End of the step with the largest contact force, which is stored, s; None without contact or without a table of
+        forces."""
         try:
             if not self.touches:
                 return None
@@ -250,7 +250,7 @@ class RunFolder:
         return float(times[first_largest(force)])
 
     def field(self, file: str, name: str) -> Series:
-        """The function `name` of `file` (one of the .xdmf files)."""
+        """Returns the function `name` of `file` (one of the .xdmf files)."""
         document = self.read(file, lambda path: ElementTree.fromstring(whole_text(path)))
         # One grid a time with all fields.
         found = [(grid, field) for grid in document.iter("Grid") if (field := grid.find(f"Attribute[@Name='{name}']")) is not None]
@@ -262,12 +262,12 @@ class RunFolder:
         return Series(self._mesh(document), times, datasets, centers == {"Cell"})
 
     def mesh(self, file: str) -> Mesh:
-        """The mesh of the functions of `file` (one of the .xdmf files)."""
+        """Returns the mesh of the functions of `file` (one of the .xdmf files)."""
         return self._mesh(self.read(file, lambda path: ElementTree.fromstring(whole_text(path))))
 
     @cached_property
     def boundary_mesh(self) -> Mesh:
-        """The mesh of any field. Raises NotInRun where the run wrote none."""
+        """Mesh of any field. Raises NotInRun where the run wrote none."""
         for file in ("state.xdmf", "control.xdmf", "adjoint.xdmf"):
             if (self.path / file).is_file():
                 return self.mesh(file)
@@ -278,7 +278,7 @@ class RunFolder:
                     read_dataset(*self._reference(document.find(".//Topology/DataItem"))))  # fmt: skip
 
     def figure_time(self) -> float:
-        """The time that shows contact best, s: the seed's if contact is stored there, else that of the largest force."""
+        """Returns the time that shows contact best, s: the seed's if contact is stored there, else that of the largest force."""
         inside = SEED_TIME <= self.last_time
         peak = self.peak_time
         if peak is None:
@@ -290,14 +290,14 @@ class RunFolder:
 
     @property
     def last_time(self) -> float:
-        """The time that the run reached, s."""
+        """Time that the run reached, s."""
         time = self.scene["time"]
         if time["step"] != "auto":
             return self.steps_done * time["step"]
-        return float(time["end"] if self.steps_done == self.told(lambda: self.manifest["steps"]["asked"]) else self.steps["time"][-1])
+        return float(time["end"] if self.steps_done == self.entry(lambda: self.manifest["steps"]["asked"]) else self.steps["time"][-1])
 
     def middles(self, times: np.ndarray) -> np.ndarray:
-        """Of the steps that end at these times (s); where their lengths vary as steps.csv tells."""
+        """Returns the middles (s) of the steps that end at these times (s); if lengths vary, by steps.csv."""
         step = self.scene["time"]["step"]
         if step != "auto":
             return times - step / 2
@@ -307,13 +307,13 @@ class RunFolder:
 
     @property
     def steps_done(self) -> int:
-        """How many time steps the run made."""
-        return self.told(lambda: int(self.manifest["steps"]["done"]))
+        """Number of time steps that the run made."""
+        return self.entry(lambda: int(self.manifest["steps"]["done"]))
 
     @property
     def stored_steps(self) -> int:
-        """How many steps have rows in contact.csv: the initial state, some of the others, and the last one."""
-        return self.told(lambda: int(self.manifest["steps"]["stored"]))
+        """Number of steps with rows in contact.csv: the initial state, some of the others, and the last one."""
+        return self.entry(lambda: int(self.manifest["steps"]["stored"]))
 
     @property
     def stores_every_step(self) -> bool:
@@ -322,13 +322,13 @@ class RunFolder:
     def check_time(self, time: float) -> None:
         """Raises Unreadable if the run did not reach the time (s)."""
         if not 0 <= time <= self.last_time * (1 + 1e-9):
-            raise Unreadable(f"--time: found {time:g} s, allowed are 0 to {self.last_time:g} s, the times of this run")
+            raise Unreadable(f"--time: found {time:g} s; expected 0 to {self.last_time:g} s, the times of this run")
 
     @property
     def _contact_history(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Times (s), whether the body touches then, and the normal force (N, in the plane N/m).
 
-        Of every time step from steps.csv, or, where a run left none, of the stored ones from contact.csv.
+        Every time step from steps.csv or, without it, the stored ones from contact.csv.
         """
         try:
             steps = self.steps
@@ -342,28 +342,28 @@ class RunFolder:
             return self.contact.times, force > 0, force
 
     def _reference(self, item: ElementTree.Element) -> tuple[Path, str]:
-        """The file and the dataset that a DataItem such as `state.h5:/Mesh/mesh/geometry` names."""
+        """Returns the file and the dataset that a DataItem such as `state.h5:/Mesh/mesh/geometry` names."""
         file, dataset = item.text.strip().split(":", 1)
         return self.path / file, dataset
 
-    def told(self, entry: Callable[[], T]) -> T:
-        """What run.json and scene.toml say. Raises Unreadable where they have no such entry."""
+    def entry(self, read: Callable[[], T]) -> T:
+        """Returns an entry of run.json or scene.toml by `read`. Raises Unreadable if there is no such entry."""
         try:
-            return entry()
+            return read()
         except (KeyError, TypeError, AttributeError) as error:
             found = f"{type(error).__name__}: {error}"
             raise Unreadable(f"{self.path}: run.json or scene.toml is not as a run writes it ({found})") from None
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
-        """A .csv file with as many rows as run.json tells of, where there is one."""
+        """Reads a .csv file. Raises Unreadable unless it has as many rows as run.json counts, if there is one."""
         table = self.read(file, lambda path: read_csv(path, {"obstacle": self.obstacle_names, "status": STATUS} if file == "contact.csv" else {}))
         found = len(next(iter(table.values())))
-        if (self.path / "run.json").is_file() and found != (told := self.told(rows)):
-            raise Unreadable(f"{self.path / file}: found {found} rows, but run.json tells of {told}: it was cut, or is of another run")
+        if (self.path / "run.json").is_file() and found != (counted := self.entry(rows)):
+            raise Unreadable(f"{self.path / file}: found {found} rows, but run.json counts {counted}: it was cut, or is of another run")
         return table
 
     def read(self, file: str, read: Callable[[Path], T]) -> T:
-        """A file of the folder by a function of its path. Raises NotInRun, Unreadable."""
+        """Reads a file of the folder by a function of its path. Raises NotInRun, Unreadable."""
         path = self.path / file
         if not path.is_file():
             verb = f", a run of {self.verb}" if (self.path / "run.json").is_file() else ""
@@ -375,7 +375,7 @@ class RunFolder:
 
 
 def read_scene(file: Path) -> dict:
-    """scene.toml, which would be one without its last tables too. Raises ValueError where the last key is missing."""
+    """Reads scene.toml. Raises ValueError if its last key is missing, since a part of the file is valid TOML, too."""
     scene = tomllib.loads(whole_text(file, with_names=True))
     if "tables" not in scene.get("output", {}):
         raise ValueError("its end is missing")
@@ -383,14 +383,14 @@ def read_scene(file: Path) -> dict:
 
 
 def potential_of_loads(steps: Table) -> np.ndarray | None:
-    """The potential energy of the scene's loads at every time step, 0 at its least, J, in the plane J/m; None where they do no
+    """Returns the potential energy of the scene's loads at every time step, 0 at its least, J, in the plane J/m; None if they do no
     work or the run did not write it."""
     work = np.cumsum(steps.get("load_work", 0.0))
     return work.max() - work if work.any() else None
 
 
 def first_largest(force: np.ndarray) -> int:
-    """The step of the largest force, as the program stores it: of those that differ by rounding alone the first."""
+    """Returns the step of the largest force, as the program stores it: the first of those that differ by rounding alone."""
     found, rounding = 0, 1e-9
     for step in np.flatnonzero(force[1:] > np.maximum.accumulate(force)[:-1]) + 1:
         if force[step] > (1 + rounding) * force[found]:
@@ -399,5 +399,5 @@ def first_largest(force: np.ndarray) -> int:
 
 
 def nearest(times: np.ndarray, time: float) -> int:
-    """Index of the stored time nearest to `time`, both in s."""
+    """Returns the index of the stored time nearest to `time`, both in s."""
     return int(np.argmin(np.abs(times - time)))

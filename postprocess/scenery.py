@@ -2,7 +2,7 @@
 """Obstacles beside a body whose displacements are drawn enlarged.
 
 The gap of the candidate nearest to an obstacle is enlarged with the displacements, and so is the obstacle's motion: this
-candidate is seen to touch when it does. A curved body or obstacle may seem to overlap beside it.
+candidate touches in the picture when it does in the run. A curved body or obstacle may seem to overlap beside it.
 """
 
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from .obstacles import Facets, Obstacle
 from .run_folder import RunFolder
 from .surfaces import seen_of
 
-BAND = 0.06  # thickness of what is drawn of an obstacle in the plane, as a part of the body's size
-WHOLE = 2.5  # an obstacle up to so many times as large as the body is drawn whole
-NEAR = 0.25  # where it comes as near as this, likewise
-MARGIN = 0.1  # of a picture around the body, likewise
+BAND = 0.06  # thickness of a drawn obstacle in the plane, as a part of the body's size
+WHOLE = 2.5  # largest size, relative to the body's, of an obstacle that a picture shows whole
+NEAR = 0.25  # distance within which it is shown whole, as a part of the body's size
+MARGIN = 0.1  # margin of a picture around the body, as a part of the body's size
 
 
 @dataclass(frozen=True)
 class Scenery:
-    """An obstacle over the frames of a picture: which of `shapes` is seen in each frame, and how far off (frames × dim, m)."""
+    """Obstacle over the frames of a picture: the number of the shape in each frame, and its offset (frames × dim, m)."""
 
     name: str
     shapes: list[Facets]
@@ -30,7 +30,7 @@ class Scenery:
 
 
 def drawn_obstacles(run: RunFolder, enlarged: float) -> list[Obstacle]:
-    """Those of a run as they are drawn beside displacements so many times as large."""
+    """Returns the obstacles of a run as drawn beside displacements enlarged by a factor."""
     found = []
     for i, obstacle in enumerate(run.obstacles):
         shown = touching_ones(run, i, obstacle)
@@ -40,7 +40,7 @@ def drawn_obstacles(run: RunFolder, enlarged: float) -> list[Obstacle]:
 
 
 def touching_ones(run: RunFolder, number: int, obstacle: Obstacle) -> np.ndarray:
-    """Numbers of those candidates of an obstacle that ever touch it; of all if none does or no table tells."""
+    """Returns the numbers of those candidates of an obstacle that ever touch it; all if none does or contact.csv is absent."""
     everyone = np.arange(len(obstacle.gap))
     if not run.has_contact_table:
         return everyone
@@ -49,20 +49,20 @@ def touching_ones(run: RunFolder, number: int, obstacle: Obstacle) -> np.ndarray
 
 
 def scenery(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, size: float) -> tuple[list[Scenery], np.ndarray]:
-    """What is seen of obstacles near a body (frames × nodes × dim), and the box (two corners) that holds it all."""
+    """Returns the visible parts of obstacles near a body (frames × nodes × dim), and the box (two corners) of the picture."""
     near = [obstacle for obstacle in obstacles if comes_near(obstacle, times, position, size)]
     box = picture(near, times, position, size)
     return [over_frames(obstacle, times, size) for obstacle in near], box
 
 
 def comes_near(obstacle: Obstacle, times: np.ndarray, position: np.ndarray, size: float) -> bool:
-    """Whether any part of it ever is within the body's size of the box around the body."""
+    """Whether any part of an obstacle ever is within the body's size of the box around the body."""
     shown = range(0, len(times), max(1, len(times) // 20))
     return any(within(obstacle.at(times[i]), position[i], size) for i in shown)
 
 
 def within(surface: Facets, body: np.ndarray, distance: float) -> bool:
-    """Whether the box of a facet comes as near to that of a body."""
+    """Whether the box of any facet is nearer than `distance` to that of a body."""
     points, facets = surface
     corners = points[facets]
     apart = np.maximum(corners.min(axis=1, initial=np.inf) - body.max(axis=0), body.min(axis=0) - corners.max(axis=1, initial=-np.inf))
@@ -70,7 +70,7 @@ def within(surface: Facets, body: np.ndarray, distance: float) -> bool:
 
 
 def picture(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
-    """Two corners of the box that holds the body at all times, a margin, and obstacles of the body's size while they are near."""
+    """Returns two corners of the box of the body at all times, a margin, and obstacles of the body's size while they are near."""
     low, high = (end(position.reshape(-1, position.shape[2]), axis=0) for end in (np.min, np.max))
     box = np.array([low - MARGIN * size, high + MARGIN * size])
     for obstacle in obstacles:
@@ -84,7 +84,7 @@ def picture(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, 
 
 
 def over_frames(obstacle: Obstacle, times: np.ndarray, size: float) -> Scenery:
-    """One shape for an obstacle that keeps it, else one for each frame."""
+    """Returns an obstacle over frames, with one shape if it moves rigidly, else one for each frame."""
     count, depth = len(times), BAND * size
     if not obstacle.rigid:
         return Scenery(obstacle.name, [seen_of(obstacle, time, depth) for time in times], list(range(count)),
@@ -95,8 +95,8 @@ def over_frames(obstacle: Obstacle, times: np.ndarray, size: float) -> Scenery:
 
 
 def main_normal(run: RunFolder) -> np.ndarray:
-    """The direction out of a plane; of another obstacle, or of several, the axis next to that where the body is pushed the most.
-    Raises NotInRun where no table tells."""
+    """Returns the direction out of a plane; for another obstacle, or several, the axis nearest to that direction where the body is
+    pushed the most. Raises NotInRun without contact.csv."""
     if (plane := run.plane_normal) is not None:
         return plane
     way = run.contact.normal[run.contact.most_pushed]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a study left in its folder: study.json and study.csv, one row for each rung of its ladders."""
+"""Results of a study in its folder: study.json and study.csv, one row for each rung."""
 
 import csv
 import json
@@ -25,15 +25,15 @@ def is_study(folder: Path) -> bool:
 
 @dataclass(frozen=True)
 class Method:
-    """What is compared at equal size and step."""
+    """Method: the properties of a rung besides size and step."""
 
     degree: int
     scheme: str
     mass: str
     chosen: bool
-    """Steps, by a tolerance; else they have one length."""
+    """Whether step lengths are chosen by a tolerance; else they are equal."""
     graded: bool
-    """Meshes, by the error; else of one size."""
+    """Whether meshes are graded by the error; else they have one size."""
 
     def __str__(self) -> str:
         return f"degree {self.degree}, {self.scheme}" + ("" if self.mass == "consistent" else f", {self.mass}") + (", steps chosen" if self.chosen else "") + (", graded" if self.graded else "")
@@ -41,7 +41,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Rung:
-    """One run of a study: its numbers by column (NaN where a cell is empty), SI units, seconds and bytes."""
+    """Run of a study: its numbers by column (NaN where a cell is empty), SI units, seconds and bytes."""
 
     name: str
     method: Method
@@ -49,7 +49,7 @@ class Rung:
 
     @property
     def step(self) -> str:
-        """The length of its steps, or the tolerance by which they were chosen."""
+        """Length of the rung's steps, or the tolerance by which they were chosen."""
         return f"tolerance {self['tolerance']:g}" if self.method.chosen else f"{self['step']:g}"
 
     def __getitem__(self, column: str) -> float:
@@ -58,7 +58,7 @@ class Rung:
 
 @dataclass(frozen=True)
 class Search:
-    """A search of the optimum to one tolerance: its numbers by column (NaN where a cell is empty), and why it ended."""
+    """Search of the optimum to one tolerance: its numbers by column (NaN where a cell is empty), and its stopping reason."""
 
     numbers: dict[str, float]
     stop_reason: str
@@ -68,14 +68,14 @@ class Search:
 
 
 class StudyFolder:
-    """The folder of one study. Raises Unreadable where a file is damaged."""
+    """Folder of one study. Raises Unreadable where a file is damaged."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     @cached_property
     def manifest(self) -> dict:
-        """study.json."""
+        """Content of study.json."""
         file = self.path / "study.json"
         try:
             return json.loads(whole_text(file))
@@ -84,19 +84,19 @@ class StudyFolder:
 
     @cached_property
     def rungs(self) -> list[Rung]:
-        """study.csv."""
+        """Rungs of study.csv."""
         parts = ("", "_error", "_estimate", "_effectivity", "_pareto", "_envelope")
         columns = NUMBERS + [f"{name}{part}" for name in self.manifest["quantities"] for part in parts]
         return self.rows("study.csv", self.manifest["rungs"], lambda row: rung_of(row, columns))
 
     @cached_property
     def searches(self) -> list[Search]:
-        """search.csv; empty if the study has no searches."""
+        """Searches of search.csv; empty if the study has none."""
         count = self.manifest["searches"]
         return self.rows("search.csv", count, lambda row: Search({name: number(row[name]) for name in OF_SEARCHES}, row["stop_reason"])) if count else []
 
     def rows(self, name: str, count: int, read: Callable[[dict[str, str]], Row]) -> list[Row]:
-        """The rows of a table, of which study.json gives the number."""
+        """Reads the rows of a table. Raises Unreadable unless there are `count`, as in study.json."""
         file = self.path / name
         try:
             rows = [read(row) for row in csv.DictReader(whole_text(file).splitlines())]
@@ -110,7 +110,7 @@ class StudyFolder:
 
     @property
     def methods(self) -> list[Method]:
-        """Those of the rungs, in their order."""
+        """Methods of the rungs, in their order."""
         return list(dict.fromkeys(rung.method for rung in self.rungs))
 
 
@@ -120,7 +120,7 @@ def rung_of(row: dict[str, str], columns: list[str]) -> Rung:
 
 
 def number(cell: str | None) -> float:
-    """NaN for an empty cell. A row that ends early has no cell at all."""
+    """Returns the number in a cell, NaN for an empty one. Raises ValueError without a cell, where a row ends early."""
     if cell is None:
         raise ValueError("a row has fewer cells than there are columns")
     return float(cell) if cell else math.nan

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The look of all figures: one copy of sizes and colours, made to be read at half their size."""
+"""Look of all figures: one copy of sizes and colours, legible at half their size."""
 
 import io
 import os
@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
-# Okabe and Ito's palette: told apart with every kind of colour vision.
+# Okabe and Ito's palette: distinct with every kind of colour vision.
 BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 GREY, PALE = "0.55", "0.92"
-MARK = "signorini report"  # in all that is drawn of a run: the next run in its folder removes it
+MARK = "signorini report"  # in all pictures of a run, which the next run in its folder removes
 FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print
 
 WIDTH = 6.4  # inches; half of it is a journal's column
@@ -51,15 +51,15 @@ PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 
 def graph() -> tuple[Figure, Axes]:
-    """An empty figure for curves."""
+    """Makes an empty figure for curves."""
     figure = Figure(figsize=(WIDTH, GRAPH_HEIGHT))
     return figure, figure.add_subplot()
 
 
 def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inch: float | None = None) -> Axes:
-    """Axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own.
+    """Makes axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own.
 
-    They show more than the box where it is too slim for labels.
+    The axes show more than the box if it is too slim for labels.
     """
     low, high = np.asarray(low), np.asarray(high)
     scale = min(PLAN / (high - low))
@@ -78,18 +78,18 @@ def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inc
 
 
 def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
-    """Factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000; kg have a prefix already."""
+    """Returns factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000; kg have a prefix already."""
     largest = float(np.max(np.abs(values)))
     if largest == 0 or not np.isfinite(largest) or unit.startswith("kg"):
         return 1.0, unit
-    # Half a unit in the last place printed, so that a value of 1 that was rounded down still is one.
+    # A hair more, so that a value of 1 that was rounded down counts as 1.
     power = int(3 * np.floor(np.log10(largest * (1 + 1e-9)) / 3))
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
     return 10.0**-power, PREFIXES[power] + unit
 
 
 def per_depth(unit: str, dim: int) -> str:
-    """A plane body is one metre of a long one: its forces and energies are per metre of depth."""
+    """Returns the unit of a force or energy: in the plane, per metre of depth."""
     return unit + "/m" if dim == 2 else unit
 
 
@@ -108,12 +108,12 @@ def show_time(axes: Axes, time: float) -> None:
 
 
 def colour_bar(colours: ScalarMappable, axes: Axes, label: str) -> None:
-    """A colour bar to the right of the axes and as high as they are."""
+    """Adds a colour bar to the right of the axes, as high as they are."""
     axes.figure.colorbar(colours, cax=axes.inset_axes([1.03, 0, 0.035, 1]), label=label)
 
 
 def legend_above(axes: Axes) -> None:
-    """A legend that covers no curve."""
+    """Adds a legend that covers no curve."""
     axes.figure.legend(loc="outside upper center", ncols=3, columnspacing=1.2, handlelength=1.8)
 
 
@@ -127,7 +127,7 @@ def shade_contact(axes: Axes, times: np.ndarray, active: np.ndarray) -> None:
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A name to write to; becomes `path` when the block ends well, and vanishes otherwise."""
+    """Yields a temporary file to write; it becomes `path` when the block succeeds, and is removed otherwise."""
     path.parent.mkdir(exist_ok=True)
     partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces as triangles: where values at the corners of tetrahedra change their sign, and what is drawn of an obstacle."""
+"""Surfaces as triangles: zeros of values at the corners of tetrahedra, and the drawn part of an obstacle."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from .obstacles import Facets, Obstacle, normals
 
 
 def zeros(cells: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where values at nodes, linear in tetrahedra (cells × 4, node numbers), are zero.
+    """Finds the zeros of values at nodes, linear in tetrahedra (cells × 4, node numbers).
 
     Returns the two nodes between which each point is (points × 2), the second one's weight, and triangles of these points.
     """
@@ -25,26 +25,26 @@ def zeros(cells: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def between(pairs: np.ndarray, weight: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values at nodes, carried to points between two of them."""
+    """Interpolates values at nodes to points between two of them."""
     first, second = values[pairs[:, 0]], values[pairs[:, 1]]
     return first + weight.reshape(-1, *[1] * (values.ndim - 1)) * (second - first)
 
 
 def facing(triangles: np.ndarray, points: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """Triangles turned counterclockwise as seen against a direction, one or that of each."""
+    """Turns triangles counterclockwise as seen against a direction, one for all or one for each."""
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     turned = (np.cross(b - a, c - a) * way).sum(axis=1) < 0
     return np.where(turned[:, None], triangles[:, ::-1], triangles)
 
 
 def seen_of(obstacle: Obstacle, time: float, depth: float) -> Facets:
-    """What is drawn of an obstacle as triangles: in the plane a band of this depth (m) below the curve, in space its surface."""
+    """Returns the drawn part of an obstacle as triangles: in the plane a band of this depth (m) below the curve, in space its surface."""
     points, facets = obstacle.at(time)
     return band(points, facets, depth, obstacle.whole) if points.shape[1] == 2 else (points, facets)
 
 
 def band(line: np.ndarray, segments: np.ndarray, depth: float, whole: bool) -> Facets:
-    """A strip below a curve; of a whole one around the obstacle all that is inside."""
+    """Returns a strip below a curve; if the curve is whole and closes around the obstacle, all that is inside."""
     outwards = normals(line, segments)
     middle = line.mean(axis=0) if len(line) else np.zeros(2)
     if whole and (((line[segments].mean(axis=1) - middle) * outwards).sum(axis=1) > 0).all():

@@ -18,11 +18,11 @@ SCRIPTS = {"report": "report", "figures": "figures", "plot": "watch"}
 
 def main() -> int:
     verb, *words = sys.argv[1:]
-    sys.argv = [f"signorini {verb}", *words]  # which usage texts and errors begin with
+    sys.argv = [f"signorini {verb}", *words]  # usage texts and errors begin with it
     shared = shared_options()
     given, sys.argv[1:] = shared.parse_known_args(words)
     if given.threads is not None and not 1 <= given.threads <= MOST_THREADS:
-        print(f"{sys.argv[0]}: --threads: found {given.threads}, allowed are 1 to {MOST_THREADS}", file=sys.stderr)
+        print(f"{sys.argv[0]}: --threads: found {given.threads}; expected 1 to {MOST_THREADS}", file=sys.stderr)
         return 2
     if given.threads:
         # Read when the libraries are loaded.
@@ -32,14 +32,14 @@ def main() -> int:
     try:
         script = importlib.import_module(f".{SCRIPTS[verb]}", __package__)
     except ModuleNotFoundError as missing:
-        print(f"signorini {verb}: found no Python package {missing.name} ({sys.executable}), allowed is a python3 with numpy, h5py, "
+        print(f"signorini {verb}: found no Python package {missing.name} ({sys.executable}); use a python3 with numpy, h5py, "
               "matplotlib, jinja2 and plotly", file=sys.stderr)  # fmt: skip
         return 2
     return script.main([shared])
 
 
 def shared_options() -> argparse.ArgumentParser:
-    """The options of all verbs."""
+    """Makes the options of all verbs."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--threads", type=int, metavar="N",
                         help="threads of numerical libraries (default: OMP_NUM_THREADS, else one per core)")  # fmt: skip

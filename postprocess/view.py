@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a body gets onto paper: a plane one as it is, one in space as it is seen from the side.
+"""Projection of a body onto paper: a plane one as it is, one in space as seen from the side.
 
-The side view looks along the plane in which the obstacle touches the most, which is then a line, as level as that allows: the
-vertical axis is z.
+The line of sight of the side view lies in the plane in which the obstacle touches the most, which then appears as a line. It is as
+level as that allows: the vertical axis is z.
 """
 
 from dataclasses import dataclass
@@ -17,20 +17,20 @@ from .scenery import main_normal
 
 @dataclass(frozen=True)
 class View:
-    """The picture's axes (2 × dim): unit vectors to the right and upwards, and what they are called."""
+    """Axes of the picture (2 × dim): unit vectors to the right and upwards, and their names."""
 
     axes: np.ndarray
     names: tuple[str, str]
 
     def project(self, x: np.ndarray) -> np.ndarray:
-        """Vectors (… × dim) in the picture's coordinates (… × 2)."""
+        """Returns vectors (… × dim) in the picture's coordinates (… × 2)."""
         return x @ self.axes.T
 
     def seen(self, mesh: Mesh) -> tuple[Mesh, np.ndarray]:
-        """The mesh on paper, in space those triangles of the surface that face the viewer, the farthest first; and the
+        """Returns the mesh on paper, in space those triangles of the surface that face the viewer, the farthest first; and the
         body's cell that each triangle shows.
 
-        It has all nodes of the body, so that nodal values keep their places.
+        The mesh has all nodes of the body, so that nodal values keep their places.
         """
         if self.axes.shape[1] == 2:
             return mesh, np.arange(len(mesh.cells))
@@ -44,7 +44,7 @@ class View:
 
 
 def longer_side(run: RunFolder) -> np.ndarray:
-    """The x axis, or the y axis if the body is longer along it."""
+    """Returns the x axis, or the y axis if the body is longer along it."""
     for file, name in (("state.xdmf", "displacement"), ("control.xdmf", "control")):
         try:
             x, y, _ = np.ptp(run.field(file, name).mesh.points, axis=0)
@@ -55,7 +55,7 @@ def longer_side(run: RunFolder) -> np.ndarray:
 
 
 def view_of(run: RunFolder) -> View:
-    """The view of a run's body."""
+    """Returns the view of a run's body."""
     if run.dim == 2:
         return View(np.eye(2), ("$x$", "$y$"))
     up = np.array([0.0, 0.0, 1.0])

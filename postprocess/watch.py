@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objective, gradient norm and step length over the optimizer's iterations, of a fit decrement and damping, drawn again while a run goes on.
+"""Objective, gradient norm and step length over the optimizer's iterations (decrement and damping of a fit), redrawn while a run continues.
 
-Draws RUN_FOLDER/figures/convergence.png whenever history.csv has grown, and says so in one line; ends with the run, or at
+Draws RUN_FOLDER/figures/convergence.png whenever history.csv has grown, and reports it in one line. Ends with the run, or at
 Ctrl-C. A run that is over is drawn once.
 """
 
@@ -44,20 +44,20 @@ def draw(history: Table, path: Path) -> None:
 
 
 def last_line(history: Table) -> str:
-    """The last iteration in words."""
+    """Describes the last iteration in one line."""
     slope = next((name for name in ("gradient_norm", "decrement") if name in history), None)
     parts = [f"J = {history['objective'][-1]:.6e}", *([f"{slope.replace('_', ' ')} {history[slope][-1]:.2e}"] if slope else [])]
     return f"iteration {history['iteration'][-1]:.0f}: {', '.join(parts)}, {history['seconds'][-1]:.0f} s"
 
 
 def over(folder: Path) -> bool:
-    """Whether run.json is of the run whose history.csv is there: it is written last."""
+    """Whether run.json belongs to the run of history.csv: it is written last."""
     manifest = folder / "run.json"
     return manifest.is_file() and manifest.stat().st_mtime_ns >= (folder / "history.csv").stat().st_mtime_ns
 
 
 def at_work(folder: Path) -> bool:
-    """Whether a run holds the folder: its lock file names the process."""
+    """Whether a running process has locked the folder: its lock file names the process."""
     try:
         holder = json.loads((folder / ".signorini-lock").read_text(encoding="utf-8"))
         if holder["host"] == socket.gethostname():
@@ -70,7 +70,7 @@ def at_work(folder: Path) -> bool:
 
 
 def require_search(folder: Path) -> None:
-    """Raises NotInRun where the folder is that of a run, now over, which has no iterations to show."""
+    """Raises NotInRun if the folder is that of a finished run without iterations, or of a study."""
     if (folder / "study.json").is_file():
         raise NotInRun(f"{folder}: found a study; plot shows the convergence of signorini optimize, signorini report a study")
     if not (folder / "run.json").is_file() or at_work(folder) or (folder / "history.csv").is_file():
@@ -109,7 +109,7 @@ def main(parents: Parents = ()) -> int:
     given = parser.parse_args()
     try:
         if not given.every > 0:
-            raise Unreadable(f"--every: found {given.every:g}, allowed are times above 0")
+            raise Unreadable(f"--every: found {given.every:g}; expected a time above 0")
         if not given.run_folder.is_dir():
             raise Unreadable(f"{given.run_folder}: there is no such folder")
         watch(given.run_folder, given.every)

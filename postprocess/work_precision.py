@@ -21,7 +21,7 @@ NAMES = {("contact-implicit", "consistent"): "contact-implicit", ("contact-stabi
 
 
 def front(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Those that no quicker one is as accurate as, by seconds."""
+    """Returns the points that no faster one equals in accuracy, by seconds."""
     best: list[tuple[float, float]] = []
     for seconds, error in sorted(points):
         if not best or error < best[-1][1]:
@@ -30,7 +30,7 @@ def front(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def draw(study: StudyFolder, quantity: str) -> Path:
-    """All rungs as dots, the front of each method as a curve."""
+    """Draws all rungs as dots, the front of each method as a curve."""
     any_chosen = any(method.chosen for method in study.methods)
     methods: dict[Method, list[tuple[float, float]]] = {}
     for rung in study.rungs:
@@ -61,7 +61,7 @@ def main() -> int:
     parser.add_argument("folder", type=Path, metavar="STUDY_FOLDER", help="where a study left its files")
     folder = parser.parse_args().folder
     if not is_study(folder):
-        complain(Unreadable(f"{folder}: found no study.json, allowed is the folder of a study"))
+        complain(Unreadable(f"{folder}: found no study.json; give the folder of a study"))
         return 2
     try:
         study = StudyFolder(folder)

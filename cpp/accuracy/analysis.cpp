@@ -33,10 +33,11 @@ std::optional<double> relative(double difference, double size) {
   return difference == 0 && size == 0 ? 0 : finite(difference / size);
 }
 
-/// What errors of a quantity are divided by.
+/// Divisor of a quantity's errors: the norm of the known values, 1 for a quantity that is relative already.
 double scale(const Quantity& quantity, Values known) { return quantity.absolute ? 1 : norm(known); }
 
-/// The distance to known values, of another run or exact; absent where one of them is not finite.
+/// Relative distance of a run to known values, of another run or exact; absent where one of them is not
+/// finite.
 template <class Known>
 std::optional<double> distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
   const Values there = known.values(quantity);
@@ -56,7 +57,7 @@ bool alike(const Rung& a, const Rung& b) {
          a.graded == b.graded;
 }
 
-/// Rungs of one degree and scheme that have run, of steps that come about alike, from coarse to fine.
+/// Rungs of one degree, scheme, kind of steps and kind of mesh that have run, from coarse to fine.
 using Family = std::vector<const Result*>;
 
 std::vector<Family> families(const std::vector<Result>& results) {
@@ -73,14 +74,14 @@ std::vector<Family> families(const std::vector<Result>& results) {
   return all;
 }
 
-/// Chains of rungs of a family and what is known of their quantity.
+/// Chains of a family's rungs and the limits of their quantity.
 struct Chains {
   Chain space, time, both;
   Limits in_space{}, in_time{}, in_both{};
 };
 
-/// The values of those rungs of a family, from coarse to fine, of which there is a number. Meshes of another
-/// size but as many unknowns are the same and count once.
+/// Values of those rungs of a family that have a finite number, from coarse to fine. Meshes of different size
+/// with equally many unknowns are the same and count once.
 Chain chain(const Quantity& quantity, const Family& members, double (*width)(const Rung&)) {
   Chain values;
   long unknowns = -1;
@@ -101,8 +102,8 @@ double size_of(const Rung& rung) { return rung.size; }
 double step_of(const Rung& rung) { return rung.step_width(); }
 bool same_steps(const Rung& a, const Rung& b) { return a.step_width() == b.step_width(); }
 
-/// Those along the rungs with the steps and along those with the size of the rung `at`, and along those that
-/// refine both, back from it: each time to the next coarser size with the next longer step.
+/// Chains through the rung `at`: the rungs with its steps, the rungs with its size, and rungs that refine
+/// both. The last goes back from `at`, each time to the next coarser size with the next longer step.
 Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
   Family space, time, both;
   for (const Result* member : members) {
@@ -145,7 +146,7 @@ Orders orders_of(const Quantity& quantity, const Family& members, const Exact& e
     if (step_of(member->rung) < step_of(finest))
       finest.steps = member->rung.steps, finest.tolerance = member->rung.tolerance;
   const Chains along = chains(quantity, members, finest);
-  // In space or time alone errors would stagnate at that of the other kind: no exact values.
+  // Errors against exact values would stagnate, in space or time alone, at the error of the other kind.
   return {quantity.name,
           finest.degree,
           finest.scheme,
@@ -185,9 +186,9 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
                 part(*time, step_of(longer->rung) / step_of(result.rung), orders.time->slope));
 }
 
-/// Whether a relative bar is of an order that makes sense, or no more than rounding; or there is none.
+/// Whether a relative bar is absent, no more than rounding, or in the asymptotic range.
 bool in_range(const Chain& values, const Limits& limits, const std::optional<double>& bar) {
-  constexpr double factor = 10; // that of the bar among it
+  constexpr double factor = 10; // includes the bar's own factor
   if (!bar || *bar <= factor * rounding)
     return true;
   const std::optional<Order> order = observed_order(values, limits);
@@ -245,11 +246,11 @@ std::vector<bool> pareto_front(const std::vector<Result>& results,
   return front;
 }
 
-/// The finest rung: the smallest size, and of that the most steps or the smallest tolerance. Steps and
-/// tolerances, and meshes of one size and graded ones, do not compare: of those of the smallest size the one
-/// with the smallest error bar, if all have one, else that of the most steps.
+/// The finest rung: the smallest size, then the most steps or the smallest tolerance. Steps do not compare
+/// with tolerances, nor meshes of one size with graded ones. Of the finest of each kind, at the smallest
+/// size, it is the one with the smallest error bar, if all have one, else the one with most steps.
 std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Result>& results) {
-  std::vector<std::size_t> found; // of each kind
+  std::vector<std::size_t> found; // the finest of each kind
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i].measured || !is_finite(quantity, *results[i].measured))
       continue;

@@ -19,7 +19,7 @@ double product(Values a, Values b, Values c, Values d) {
 
 double distance(Values a, Values b) { return std::sqrt(product(a, b, a, b)); }
 
-/// Orders that are printed have few digits; what is beyond says as much as these.
+/// Bound of the modulus of observed orders.
 constexpr double highest_order = 20;
 
 /// The p for which widths h1 > h2 > h3 give this ratio of the second difference to the first.
@@ -37,7 +37,7 @@ double order_of_differences(double h1, double h2, double h3, double ratio) {
   return (low + high) / 2;
 }
 
-/// The order between neighbours, and whether the law holds between them.
+/// Order between neighbours, and whether it is in the asymptotic range.
 struct Local {
   double p;
   bool holds;
@@ -49,7 +49,7 @@ Local judged(double p, bool same_way, const Limits& limits) {
   return {p, same_way && p >= least && p <= limits.order + scatter};
 }
 
-/// That of three values.
+/// Local order of three successive values.
 Local local(const Value& a, const Value& b, const Value& c, const Limits& limits) {
   const double ratio = distance(b.samples, c.samples) / distance(a.samples, b.samples);
   return judged(order_of_differences(a.width, b.width, c.width, ratio),

@@ -10,7 +10,7 @@ using petsc::check;
 
 namespace {
 
-/// The loads of a scene and its controls in functions of degree 2.
+/// Loads of a scene and forces of its controls in functions of degree 2.
 class EnrichedLoads {
 public:
   EnrichedLoads(const adjoint::EnrichedBody& body, const problem::Problem& problem,
@@ -161,8 +161,8 @@ adjoint::ErrorParts estimate_error(const problem::Problem& problem,
     loads.emplace(*body, problem, control_problem.controls);
     objective.emplace(*body, problem, control_problem.objective);
   }
-  // Separate trajectories, since velocities are needed. ∂J/∂y_k is taken of the current control's motion
-  // while the desired one is weighed, so that both are read at a time.
+  // Separate trajectories, since velocities are needed. The desired motion is weighted with ∂J/∂y_k along the
+  // current control's motion, so that both are read at the same time.
   const auto run = [&](trajectory::Trajectory& trajectory, const control::ControlForce& u,
                        const trajectory::StepObserver& watch) {
     trajectory.run(problem.load(&u), watch);
@@ -204,7 +204,7 @@ adjoint::ErrorParts estimate_error(const problem::Problem& problem,
     trajectory::Trajectory desired(stepper, problem.initial, storage, true);
     run(desired, u, {});
     if (by_nodes)
-      check(VecScale(by_nodes, -1)); // as the parts: those of the motion less those of the desired one
+      check(VecScale(by_nodes, -1)); // like the parts: the motion's less the desired one's
     subtract(weigh(desired, *control_problem.reference), parts);
   }
   if (objective) {

@@ -13,7 +13,7 @@
 namespace signorini::accuracy {
 namespace {
 
-/// To be raised with every change of what is measured of a run, or how.
+/// Version of the measurements of a run; to be raised with every change of them.
 constexpr int measurement = 4;
 
 constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks",
@@ -31,7 +31,7 @@ std::string content(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// Digest of a file, read in pieces: a stored run may be larger than the memory.
+/// Digest of a file, read in blocks: a stored run may be larger than the memory.
 std::string digest(const std::filesystem::path& file) {
   constexpr std::size_t size = 1 << 20;
   std::ifstream in(file, std::ios::binary);
@@ -73,7 +73,7 @@ std::string mesh_digest(const std::filesystem::path& file) {
   return digest.text();
 }
 
-/// PETSc's options, of the command line, PETSC_OPTIONS and .petscrc.
+/// PETSc's options, from the command line, PETSC_OPTIONS and .petscrc.
 std::string petsc_options() {
   char* all = nullptr;
   petsc::check(PetscOptionsGetAll(nullptr, &all));

@@ -4,20 +4,20 @@
 
 namespace signorini::accuracy {
 
-/// All that the numbers of a rung depend on, by name: texts, or digests of contents. Rungs with equal
+/// Inputs that determine the numbers of a rung, by name: texts, or digests of contents. Rungs with equal
 /// fingerprints have equal results.
 using Fingerprint = std::map<std::string, std::string>;
 
 /// The common part of the fingerprints of a study's rungs, determined once. Used on rank 0, whose Samples
-/// know their digest.
+/// have their digest.
 class Origin {
 public:
-  /// To be made before the first solver, since each adds its defaults to PETSc's options. The references must
-  /// outlive this object.
+  /// Reads PETSc's options too: construct it before the first solver, since each adds its defaults to them.
+  /// The references must outlive this object.
   Origin(const scene::Scene& scene, const Samples& samples, int ranks);
 
   [[nodiscard]] Fingerprint of(const Rung& rung) const;
-  /// That of a search on the scene's own rung.
+  /// Fingerprint of a search on the scene's own rung.
   [[nodiscard]] Fingerprint of_search() const;
 
 private:
@@ -26,7 +26,7 @@ private:
   Fingerprint common_;
 };
 
-/// The first part in which two fingerprints differ, in words; empty if there is none.
+/// Describes the first part in which two fingerprints differ; empty if there is none.
 std::string difference(const Fingerprint& kept, const Fingerprint& now);
 
 } // namespace signorini::accuracy

@@ -18,7 +18,7 @@ namespace signorini::accuracy {
 
 namespace {
 
-/// A mesh and the part of the error that each of its cells has; on every rank.
+/// A mesh and the share of each of its cells in the error; on every rank.
 struct Indicated {
   mesh::SizeField mesh;
   std::vector<double> error;
@@ -49,7 +49,7 @@ Indicated by_stress(problem::Problem& problem) {
   return {recovery.mesh(), recovery.sums(), std::ranges::max(problem.mesh.extent())};
 }
 
-/// Where the error is on the mesh of these sizes or, without, on the coarsest.
+/// Shares of the cells in the error, on the mesh of these sizes or, without, on the coarsest.
 Indicated indicated(MPI_Comm comm, const scene::Scene& scene, const mesh::SizeField* sizes) {
   Timers timers;
   const mesh::Meshing meshing{.sizes = sizes, .keep{}};
@@ -66,8 +66,8 @@ void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesyste
   coarse.mesh.size = 0; // "auto": ten elements across the body
   coarse.mesh.scale = 1;
   coarse.mesh.degree = 1;
-  constexpr double first_reach = 3, reach = 50; // a coarse mesh tells little of one much finer
-  constexpr double around = 1.5; // times as large as the own elements, those of a curved boundary
+  constexpr double first_reach = 3, reach = 50; // a coarse mesh predicts little of one much finer
+  constexpr double around = 1.5; // largest ratio of elements at a curved boundary to the scene's own
   const Indicated first = indicated(comm, coarse, nullptr);
   const mesh::SizeField finer =
       mesh::sizes_by(first.mesh, first.error, 1 / (first_reach * first_reach), first_reach);
@@ -115,7 +115,7 @@ std::int64_t cells(MPI_Comm comm, const scene::Mesh& mesh) {
 
 namespace {
 
-/// At an element size, or at a scale of those that the .geo sets.
+/// Number of cells at an element size, or at a scale of the sizes that the .geo sets.
 std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
   (mesh.size ? *mesh.size : mesh.scale) = size;
   return accuracy::cells(comm, mesh);
@@ -124,10 +124,9 @@ std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
 UserError no_answer(const scene::Scene& scene, double coarse, double fine, std::int64_t cells,
                     const char* allowed) {
   const char* kind = scene.mesh.size ? "size" : "scale";
-  return UserError(fmt::format(
-      "mesh.{0}: {1} has {2} cells at {0} {3:g} and at {0} {4:g}, so that it sets its own density (as "
-      "Transfinite curves do); allowed are {5}",
-      kind, scene.mesh.file.string(), cells, coarse, fine, allowed));
+  return UserError(fmt::format("mesh.{0}: {1} has {2} cells at {0} {3:g} and at {0} {4:g}, so that it sets "
+                               "its own density (as Transfinite curves do); use {5}",
+                               kind, scene.mesh.file.string(), cells, coarse, fine, allowed));
 }
 
 } // namespace

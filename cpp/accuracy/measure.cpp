@@ -35,8 +35,8 @@ public:
                     static_cast<std::size_t>(space.dim()));
   }
 
-  /// Takes every sample time up to t1, with `last` all that are left. `at(t, out)` evaluates the field
-  /// between the last time and t1.
+  /// Takes every sample time up to t1, with `last` all that remain. `at(t, out)` evaluates the field between
+  /// the last time and t1.
   template <class At>
   void take_until(double t1, bool last, At&& at) {
     const double reach = last ? std::numeric_limits<double>::infinity() : t1;
@@ -61,7 +61,7 @@ private:
   std::vector<double> values_;
 };
 
-/// Measures the wanted quantities of a motion frame by frame.
+/// Measures the requested quantities of a motion frame by frame.
 class Watch {
 public:
   Watch(const problem::Problem& problem, const Samples& samples, const std::vector<Quantity>& wanted)
@@ -127,8 +127,8 @@ public:
   }
 
 private:
-  /// The error of the pressure, relative, in L2 of the contact surface; mean of the last two steps, since the
-  /// forces of single ones alternate.
+  /// Relative error of the pressure in L2 of the contact surface, for the mean of the last two steps, since
+  /// the forces of single ones alternate.
   [[nodiscard]] double pressure_error() const {
     const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
     const std::vector<double>& points = problem_.stepper.pairs()->points();
@@ -163,7 +163,7 @@ private:
   double energy_ = 0, contact_loss_ = 0;
 };
 
-/// Seconds of the phases that no run can do without.
+/// Seconds of the phases that every run needs.
 double seconds(const Timers& timers) {
   double sum = 0;
   for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint",

@@ -7,12 +7,12 @@
 
 namespace signorini::accuracy {
 
-/// Where and when fields are compared, the same for every rung of a scene.
+/// Points and times at which fields are compared, the same for every rung of a scene.
 struct Samples {
   fem::Quadrature body;
   int dim = 2;
   std::vector<double> times; ///< s, from 0 to time.end at equal distances
-  std::string digest;        ///< of them and of the mesh that they are from, on rank 0
+  std::string digest;        ///< digest of times, points and the mesh of the points, on rank 0
 
   /// Quadrature points of the scene's mesh, or of one with twice, four times … its size, until there are few
   /// enough or no fewer. Collective. Throws UserError.
@@ -23,17 +23,17 @@ struct Samples {
   void scale(std::vector<double>& values) const;
 };
 
-/// The quantities whose values are known: the scene's [exact] at the samples. Throws UserError.
+/// Exact values of the quantities that have one: the scene's [exact] at the samples. Throws UserError.
 Exact exact_values(const scene::Scene& scene, const Samples& samples);
 
 /// Runs the scene of a rung and measures these quantities, with an objective at the control of `check`
 /// (drivers::evaluation_point()), else at control.initial; the gradient costs an adjoint sweep. `estimate`:
-/// the error of J is estimated too, which the seconds do not include. Collective. Throws UserError,
+/// whether to estimate the error of J too, which the seconds do not include. Collective. Throws UserError,
 /// SolverFailure, Interrupted.
 Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
                  const std::vector<Quantity>& wanted, bool estimate);
 
-/// Makes all steps of a motion, whose lengths are chosen on the way if they are not known. Collective. Throws
+/// Makes all steps of a motion and chooses their lengths if they are not known. Collective. Throws
 /// SolverFailure, Interrupted.
 void simulate(problem::Problem& problem, const step::ForceAtStep& load,
               const trajectory::StepObserver& watch);

@@ -19,17 +19,18 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Of the error asked for, so that the estimate may be half of it (docs/method.md section 7).
+/// Part of the requested error that the estimate may reach: the error may be twice the estimate
+/// (docs/method.md section 7).
 constexpr double trusted = 0.5;
-/// Of that, what the search may leave.
+/// Part of the trusted error that the search may leave.
 constexpr double search_part = 0.05;
-/// Of a search, where the scene allows fewer: it ends by what it gains.
+/// Least limit of a search's iterations: it ends by its gains instead.
 constexpr int most_iterations = 1000;
-/// Multiples of the scene's size and step to begin with, the first that can be.
+/// Multiples of the scene's size and step to begin with; the first that can be run is taken.
 constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
 
-/// Searches for the optimum at given sizes and steps, each from the result of the last.
+/// Searches for the optimum at given sizes and steps, each time from the result of the last.
 template <template <optimize::TwiceDifferentiable> class Method>
 class SearchTrials final : public TrialRuns {
 public:
@@ -58,7 +59,7 @@ public:
     return next;
   }
 
-  /// By those of the last run. A finer problem may take more iterations.
+  /// Extrapolates the seconds of the last run, with a margin: a finer problem may take more iterations.
   [[nodiscard]] double seconds(const Rung& rung) override {
     constexpr double iterations = 1.4;
     return iterations * row_.seconds * work(rung, dim()) / work(rung_, dim());
@@ -73,7 +74,7 @@ public:
   TrialRun run(const Rung& rung) override {
     const Elapsed elapsed(comm_);
     log_.reset();
-    folder_.reset(); // whose lock the next needs
+    folder_.reset(); // releases its lock, which the next one needs
     folder_.emplace(comm_, out_, drivers::resume::checkpoint);
     scene::Scene scene = on_rung(scene_, rung);
     mesh::Meshing meshing;
@@ -103,7 +104,7 @@ public:
     const double J = std::abs(control_problem.reduced.value().total());
     if (!(J > 0))
       throw UserError(
-          "--accuracy: found an optimum with J = 0, allowed is one whose error can be relative to J");
+          "--accuracy: J is 0 at the optimum, so that no error is relative to it; choose another objective");
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells_);
     trial.time = std::abs(error.time) / J;
     trial.space = error.sum_of_moduli() / J - trial.time;
@@ -130,8 +131,8 @@ public:
     if (better)
       write(trial);
     console_.line(
-        fmt::format("round {}: {} unknowns, {} steps: J = {:.6e}, estimated error {:.2e} (space {:.1e}, "
-                    "time {:.1e}, search {:.1e}), {} + {} sweeps, {:.2g} s; {:.2g} s so far{}",
+        fmt::format("round {}: {} unknowns, {} steps: J = {:.6e}, estimated error {:.2e} (space {:.1e}, time "
+                    "{:.1e}, search {:.1e}). {} + {} sweeps, {:.2g} s; {:.2g} s so far{}",
                     rows_.size() + 1, row_.free_unknowns, row_.steps, row_.objective, trial.error(),
                     trial.space, trial.time, trial.search, row_.forward_sweeps, row_.adjoint_sweeps,
                     row_.seconds, elapsed_.seconds(), better ? "" : "; not written, its error is larger"));
@@ -156,8 +157,8 @@ private:
         Console(false, false));
   }
 
-  /// Those of the elements, from run to run by indicators: with mesh.size = "auto" the .geo is meshed again
-  /// by them, and a .msh is refined.
+  /// Whether element sizes change from run to run by indicators: with mesh.size = "auto" the .geo is meshed
+  /// again by them, and a .msh is refined.
   [[nodiscard]] bool sizes_vary() const { return scene_.mesh.automatic() || scene_.mesh.meshed(); }
 
   /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative.
@@ -182,14 +183,14 @@ private:
     return text;
   }
 
-  /// Searches until what the last iterations have gained is a small part of the error asked for; returns it,
-  /// relative.
+  /// Searches until the gain and the promised gain of the last iterations are a small part of the requested
+  /// error; returns the larger of them, relative.
   double search(drivers::SearchLevel<Method>& level) {
     optimize::Options options = drivers::search_options(level.control_problem().controls, scene_.optimizer);
     options.max_iterations = std::max(options.max_iterations, most_iterations);
     const auto start = level_ ? level_->on(level.control_problem(), options)
                               : drivers::SearchStart<Method>{level.first_guess()};
-    /// Tells the record, and ends the search.
+    /// Records iterates, and ends the search once it gains too little.
     struct Report {
       drivers::SearchLog& record;
       double enough, promised = 0;
@@ -208,8 +209,9 @@ private:
                                           : gained(log_->history());
   }
 
-  /// What the last third of the iterations has gained of J, relative: more than what is left where a search
-  /// converges linearly, half of it where its gains fall as the number of iterations, as among kinks.
+  /// Decrease of J over the last third of the iterations, relative. It is more than the search has left if it
+  /// converges linearly, and half of that if J approaches its limit like one over the iterations, as among
+  /// kinks.
   static double gained(const io::History& history) {
     constexpr std::size_t fewest = 3, part = 3;
     const std::size_t iterations = history.rows() - 1,
@@ -221,18 +223,18 @@ private:
   MPI_Comm comm_;
   const scene::Scene& scene_;
   std::filesystem::path out_;
-  double error_; ///< asked for
+  double error_; ///< requested, relative
   const Elapsed& elapsed_;
   const Console& console_;
   // Of the last run:
   Rung rung_;
   scene::Scene written_;
   std::unique_ptr<drivers::SearchLevel<Method>> level_;
-  std::vector<double> by_cells_; ///< indicators of its mesh
+  std::vector<double> by_cells_; ///< error indicators of its cells
   std::optional<io::OutputFolder> folder_;
   std::optional<drivers::SearchLog> log_;
   io::CoarseLevel row_;
-  std::vector<io::CoarseLevel> rows_; ///< of all runs
+  std::vector<io::CoarseLevel> rows_; ///< records of all runs
 };
 
 template <template <optimize::TwiceDifferentiable> class Method>
@@ -252,8 +254,8 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
                          const AccuracyAsked& asked, const Console& console) {
   drivers::require_control_problem(comm, scene, out);
   if (scene.mesh.degree != 1)
-    throw UserError(fmt::format("--accuracy: found mesh.degree = {}, allowed is 1: the estimate in space "
-                                "looks at what functions of degree 2 have beyond those of degree 1",
+    throw UserError(fmt::format("--accuracy: found mesh.degree = {}; set it to 1, since the estimate in "
+                                "space compares degree 1 with degree 2",
                                 scene.mesh.degree));
   if (!scene.mesh.meshed() && !scene.mesh.automatic())
     require_answer(comm, scene);
@@ -263,7 +265,7 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
   case scene::OptimizerMethod::newton_cg:
     return refine<optimize::NewtonCg>(comm, scene, out, asked, console);
   case scene::OptimizerMethod::projected_gradient:
-  case scene::OptimizerMethod::gauss_newton: // of fits alone
+  case scene::OptimizerMethod::gauss_newton: // for fits only
     break;
   }
   return refine<optimize::ProjectedGradient>(comm, scene, out, asked, console);

@@ -4,10 +4,10 @@
 
 namespace signorini::accuracy {
 
-/// The verb optimize with --accuracy: the optimum, J to a relative error. Alternates searches and refinements
-/// of mesh and steps, from about four times the scene's size and step on (with mesh.size = "auto" from ten
-/// elements across the body, with sizes that vary), each search from the result of the last
-/// (refine_to_accuracy()). The best answer so far is written into `out` after each run, whole. Collective.
+/// Runs the verb optimize with --accuracy: finds the optimum with J to a relative error. Alternates searches
+/// and refinements of mesh and steps (refine_to_accuracy()), each search from the result of the last. Starts
+/// at about four times the scene's size and step or, with mesh.size = "auto", at ten elements across the body
+/// with sizes that vary. The best answer so far is written into `out` after each run, whole. Collective.
 /// Throws UserError, SolverFailure, WriteFailure, and Interrupted before there is an answer.
 int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, const Console& console);

@@ -77,7 +77,7 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name, &Quantity::name);
     if (found == all.end())
-      throw UserError(fmt::format("--quantity: found \"{}\"{}, allowed with this scene: {}", name,
+      throw UserError(fmt::format("--quantity: found \"{}\"{}; this scene has {}", name,
                                   suggestion(name, allowed), list(allowed)));
     if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
       wanted.push_back(*found);

@@ -11,24 +11,24 @@ namespace signorini::accuracy {
 struct Quantity {
   std::string name, title, unit;
   bool field = false;
-  bool absolute = false; ///< already relative: errors are plain differences
+  bool absolute = false; ///< whether it is relative already: errors are plain differences
   bool limited = true;   ///< whether it converges with steps and mesh in every motion
 
-  /// Whether a warning of a motion concerns its value: those of peaks alone do not, but for these.
+  /// Whether a warning of a motion concerns this quantity; warnings of peaks concern peaks alone.
   [[nodiscard]] bool doubted_by(const Warning& warning) const;
 };
 
-/// What is measured of a run. A field is compared in its norm, a number by its modulus.
+/// Measurements of a run. A field is compared in its norm, a number by its modulus.
 struct Measured {
   long unknowns = 0;
   int steps = 0;
-  double seconds = 0;                    ///< of set-up and sweeps
-  double memory = 0;                     ///< peak beyond what the program held before, bytes
-  std::map<std::string, double> numbers; ///< by quantity
+  double seconds = 0;                    ///< time of set-up and sweeps
+  double memory = 0;                     ///< peak beyond the program's memory before, bytes
+  std::map<std::string, double> numbers; ///< values by quantity
   std::map<std::string, std::vector<double>>
-      fields; ///< by quantity: samples, scaled so that their sum of squares is the norm's
-  std::optional<adjoint::ErrorParts> estimate; ///< of the error of J, J(exact) − J
-  std::vector<Warning> warnings;               ///< of what its steps may have missed
+      fields; ///< samples by quantity, scaled so that their sum of squares is the squared norm
+  std::optional<adjoint::ErrorParts> estimate; ///< estimated error of J, J(exact) − J
+  std::vector<Warning> warnings;               ///< warnings about its steps and its mesh
 
   /// The warnings that concern a quantity, in words; empty without any.
   [[nodiscard]] std::string warning(const Quantity& quantity) const;
@@ -41,7 +41,7 @@ struct Measured {
   }
 };
 
-/// A rung and its measurements; empty if it has not run.
+/// A rung and its measurements, which are absent if it has not run.
 struct Result {
   Rung rung;
   std::optional<Measured> measured;
@@ -62,15 +62,15 @@ struct Exact {
   }
 };
 
-constexpr const char* of_stress = "largest_von_mises"; ///< the name of that quantity
+constexpr const char* of_stress = "largest_von_mises"; ///< name of the largest von Mises stress
 
-/// The quantities that can be compared in a scene: displacement, the largest von Mises stress, energy_loss
-/// where it has contact with obstacles at rest, impulse, forces and times of contact, pressure where the
-/// exact one is given, J and gradient with an objective. `dim` tells the units.
+/// The quantities that can be compared in a scene: displacement and largest von Mises stress; impulse, forces
+/// and times of contact; energy_loss if all obstacles are at rest; pressure if the exact one is given. With
+/// an objective these are also J and the gradient. `dim` determines the units.
 std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
 
-/// Those of these names or, if there are none, all but the gradient and, where the scene stores none, the
-/// stress. Throws UserError.
+/// Selects the quantities of these names or, without names, all but the gradient and, where the scene stores
+/// none, the stress. Throws UserError.
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);
 
 } // namespace signorini::accuracy

@@ -9,10 +9,11 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Of the tolerance, so that an error a little larger than predicted does not cost another run.
+/// Part of the tolerance to aim at, so that an error a little larger than predicted does not cost another
+/// run.
 constexpr double aim = 0.8;
 constexpr int most_runs = 20;
-/// Runs whose error is small enough but that have a warning.
+/// Limit of runs with a warning, after which the loop ends.
 constexpr int most_warned = 3;
 
 double two_digits(double size) { return std::stod(fmt::format("{:.2g}", size)); }
@@ -33,7 +34,7 @@ double observed_order(double coarse, double fine, double factor, double otherwis
 
 SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders, double target, int dim,
                              double least, double most) {
-  // The parts of a minimum are in proportion to the exponents of the cost over their orders.
+  // At the minimum the parts are in proportion to the exponents of the cost over their orders.
   const double of_size = dim * step_power(dim) / orders.size, of_step = 1 / orders.step;
   double size = target * of_size / (of_size + of_step), step = target - size;
   if (most <= 1) {
@@ -60,7 +61,7 @@ Rung Refinement::proposed(const TrialRun& from) const {
 
 TrialRun Refinement::begin() {
   if (const std::optional<Rung> rung = trials_.unestimated()) {
-    constexpr double nothing = 1; // is known
+    constexpr double nothing = 1; // a relative error: nothing is known
     best_ = {.rung = *rung, .space = nothing, .time = nothing};
     trials_.conclude(*best_, true);
   }
@@ -127,7 +128,7 @@ void Refinement::run(bool economise) {
 }
 
 std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Rung>& other_degree) {
-  constexpr SizeAndStep cure{.size = 0.7, .step = 0.5}; // of what is warned of
+  constexpr SizeAndStep cure{.size = 0.7, .step = 0.5}; // refines after a warning
   constexpr double little = 0.8;
   Rung next = last.warning.empty() ? proposed(last) : trials_.nearest(scaled(last.rung, cure));
   if (other_degree && last.error() > tolerance_ && trials_.seconds(*other_degree) < trials_.seconds(next))
@@ -154,8 +155,8 @@ std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Ru
   return next;
 }
 
-/// Where `next` is not within the budget: the other degree at the size for which it was priced, or a part of
-/// the way from `last`; absent if that is little.
+/// Alternative to a `next` beyond the budget: the other degree at the size for which it was priced, or a
+/// smaller refinement of `last`; absent if the budget allows little.
 std::optional<Rung> Refinement::within_budget(const Rung& last, const Rung& next,
                                               const std::optional<Rung>& other_degree) {
   constexpr double worth = 0.9; // the least change of a size or a step

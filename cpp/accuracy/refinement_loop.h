@@ -15,15 +15,15 @@ struct SizeAndStep {
   double size = 0, step = 0;
 };
 
-/// The order with which a part of the error has fallen from `coarse` to `fine` as its width changed by
-/// `factor` < 1, between that of fronts of an impact and above that of the schemes; `otherwise` where these
+/// Observed order of a part of the error that fell from `coarse` to `fine` as its width fell by `factor`. It
+/// is limited to the range from fronts of an impact to above the schemes; `otherwise` where these values
 /// determine none.
 double observed_order(double coarse, double fine, double factor, double otherwise);
 
-/// Factors of size and step for which the parts of an error, proportional to powers of them with `orders`,
-/// add up to `target` at the least cost, which grows as size^(−dim·step_power(dim)) / step; each between
-/// `least` and `most`. Where nothing may become coarser, a part that is small already leaves its share to the
-/// other.
+/// Factors of size and step at which the parts of an error add up to `target` at the least cost. The parts
+/// are proportional to powers of the factors with `orders`, the cost is size^(−dim·step_power(dim)) / step;
+/// each factor is between `least` and `most`. Where nothing may become coarser, a part that is small already
+/// leaves its share to the other.
 SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders, double target, int dim,
                              double least, double most);
 
@@ -31,9 +31,9 @@ SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders
 struct TrialRun {
   Rung rung;
   double space = 0, time = 0;
-  double search = 0;     ///< what a search has left to gain
-  double seconds = 0;    ///< of the run alone
-  std::string grounds{}; ///< how the error was found
+  double search = 0;     ///< decrease of J that the search leaves
+  double seconds = 0;    ///< duration of the run alone
+  std::string grounds{}; ///< source of the error, in words
   std::string warning{}; ///< why the run is not verified though its error is small
   [[nodiscard]] double error() const { return space + time + search; }
   [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && warning.empty(); }
@@ -43,11 +43,11 @@ struct TrialRun {
 /// members are collective; those that run throw UserError, SolverFailure, Interrupted.
 class TrialRuns {
 public:
-  /// Bounds of what an estimate predicts.
+  /// Range in which estimates predict the error of other sizes and steps.
   struct Reach {
-    double order;   ///< with which estimates fall, before any is observed
+    double order;   ///< assumed order of the estimates, before any is observed
     double finer;   ///< the largest factor by which size and step become smaller at once
-    double coarser; ///< and larger
+    double coarser; ///< the largest factor by which they become larger at once
   };
 
   virtual ~TrialRuns() = default;
@@ -55,7 +55,7 @@ public:
   [[nodiscard]] virtual int dim() const = 0;
   /// Title of the quantity whose error is estimated.
   [[nodiscard]] virtual std::string title() const { return "J"; }
-  /// The first rungs, of which the first that can be meshed and solved is taken.
+  /// Rungs to begin with; the first that can be meshed and solved is taken.
   [[nodiscard]] virtual std::vector<Rung> beginnings() const = 0;
   /// A coarse rung whose results are kept before any error is estimated.
   [[nodiscard]] virtual std::optional<Rung> unestimated() const { return {}; }
@@ -63,24 +63,25 @@ public:
   [[nodiscard]] virtual Rung nearest(const Rung& rung) const = 0;
   /// A rung of another degree that is tried once, where it costs less than the next step of the refinement.
   [[nodiscard]] virtual std::optional<Rung> other_degree() const { return {}; }
-  /// Predicted seconds of all that runs for a rung.
+  /// Predicted seconds of all runs that a rung needs.
   [[nodiscard]] virtual double seconds(const Rung& rung) = 0;
   /// Size and step in words.
   [[nodiscard]] virtual std::string words(const Rung& rung) const = 0;
 
   virtual TrialRun run(const Rung& rung) = 0;
-  /// Compares the last run with half its steps, by which its error in time may turn out to be larger, and
-  /// sets its warning.
+  /// Compares the last run with one of half the step length, which may raise its error in time, and sets its
+  /// warning.
   virtual void verify(TrialRun& trial) = 0;
   /// Ends the last run; its results are kept if it is `better` than all before.
   virtual void conclude(const TrialRun& trial, bool better) = 0;
 };
 
-/// The refinement of size and step from run to run: to the cheapest for which the predicted error adds up to
-/// the tolerance. The references must outlive this object.
+/// Refines size and step from run to run, to the cheapest for which the predicted error meets the tolerance.
+/// The references must outlive this object.
 class Refinement {
 public:
-  /// `tolerance`: of the estimated error. `budget`: a run is not begun if it is predicted to exceed it, s.
+  /// `tolerance`: limit of the estimated error. `budget`, s: a run is not begun if it is predicted to exceed
+  /// it.
   Refinement(TrialRuns& trials, double tolerance, std::optional<double> budget, const Elapsed& elapsed,
              const Console& console)
       : trials_(trials), tolerance_(tolerance), budget_(budget), elapsed_(elapsed), console_(console),
@@ -96,9 +97,9 @@ public:
   [[nodiscard]] bool met() const { return best_ && best_->meets(tolerance_); }
   /// Whether the error of best() is small enough, verified or not.
   [[nodiscard]] bool within() const { return best_ && best_->error() <= tolerance_; }
-  /// Why no further run follows, though the tolerance is not met.
+  /// Reason why no further run follows, though the tolerance is not met; empty if there is none.
   [[nodiscard]] const std::string& ended() const { return ended_; }
-  /// Predicted seconds of what the tolerance takes or, where within(), half of best()'s error.
+  /// Predicted seconds of a run that meets the tolerance or, where within(), has half of best()'s error.
   [[nodiscard]] double further() const { return further_; }
   [[nodiscard]] double seconds() const { return elapsed_.seconds(); }
 
@@ -122,16 +123,16 @@ private:
   double further_ = 0;
 };
 
-/// What is asked of an answer.
+/// Accuracy, budget and quantity that the command line requests.
 struct AccuracyAsked {
   double error;                             ///< relative, of the quantity
   std::optional<double> budget{};           ///< s
-  std::vector<std::string> quantities{"J"}; ///< names, of which there has to be one
+  std::vector<std::string> quantities{"J"}; ///< names, exactly one
 };
 
-/// Runs a refinement for --accuracy, which stop_after() may end, and reports with a sentence of what was
-/// asked, what is estimated, what it took, and what half the error would take. Returns the exit status: 1 if
-/// the error is not met, 130 if interrupted. Collective. Throws UserError, SolverFailure, and Interrupted
+/// Runs a refinement for --accuracy, which stop_after() may end. Prints a sentence with the requested and the
+/// estimated error, the time taken, and the time that half the error would take. Returns the exit status: 1
+/// if the error is not met, 130 if interrupted. Collective. Throws UserError, SolverFailure, and Interrupted
 /// before there is an answer.
 int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& trials,
                        const AccuracyAsked& asked, const std::filesystem::path& out, const Console& console);

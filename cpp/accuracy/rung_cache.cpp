@@ -103,13 +103,12 @@ void replace(const std::filesystem::path& file, const char* data, std::size_t si
   if (!out || error) {
     std::error_code ignored;
     std::filesystem::remove(partial, ignored);
-    throw UserError(
-        fmt::format("--out: {} cannot be written, allowed is a folder that can be", file.string()));
+    throw UserError(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
   }
 }
 
-/// What was kept in a file by store_kept(); empty, and in `unfit` why if there is a file, where it is damaged
-/// or of another fingerprint. Throws Json::exception.
+/// Loads the content that store_kept() wrote to a file. Returns nothing if there is no file, or if it is
+/// damaged or of another fingerprint; `unfit` is then the reason. Throws Json::exception.
 std::optional<Json> load_kept(const std::filesystem::path& file, const Fingerprint& fingerprint,
                               std::string& unfit) {
   std::ifstream in(file, std::ios::binary);
@@ -148,7 +147,7 @@ Json scatter(const std::optional<Order>& order) {
 
 Json asymptotic(const std::optional<Order>& order) { return order ? Json(order->asymptotic) : Json(); }
 
-/// The finest rung's error bar and what it is of, relative.
+/// The finest rung's error bar and its parts, relative.
 Json given(const std::optional<ReferenceBar>& bar) {
   if (!bar)
     return {};
@@ -167,7 +166,7 @@ RungCache::RungCache(const std::filesystem::path& folder) : folder_(folder), loc
   std::error_code error;
   std::filesystem::create_directories(folder_ / rungs_folder, error);
   if (error)
-    throw UserError(fmt::format("--out: the folder {} cannot be made ({}), allowed is one that can be",
+    throw UserError(fmt::format("--out: the folder {} cannot be created ({}); choose another",
                                 folder_.string(), error.message()));
 }
 

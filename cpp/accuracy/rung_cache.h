@@ -14,15 +14,15 @@ struct CachedRung {
   std::string unfit;                ///< why its file cannot be used; empty if there is none
 };
 
-/// Likewise, of a search.
+/// The result of a search in the folder of a study.
 struct CachedSearch {
   std::optional<SearchCost> cost;
   std::string unfit;
 };
 
-/// The folder of a study: one file for each rung and search that has run, from which a later study of the
-/// same scene continues, and the tables of all of them. Used on rank 0. Files are replaced as a whole. Throws
-/// UserError.
+/// The folder of a study: one file for each rung and search that has run, and the tables of all of them. A
+/// later study of the same scene continues from these files. Used on rank 0. Files are replaced as a whole.
+/// Throws UserError.
 class RungCache {
 public:
   /// Creates the folder and locks it for this study.
@@ -40,7 +40,7 @@ public:
 
   /// Writes a text file.
   void write(const std::string& name, const std::string& text) const;
-  /// Removes one, if it is there.
+  /// Removes a file of the folder, if it exists.
   void remove(const std::string& name) const;
 
 private:

@@ -7,14 +7,14 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Seconds of runs of few steps of a scene.
+/// Times runs of few steps of a scene.
 class ShortRuns {
 public:
   ShortRuns(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
             const std::vector<Quantity>& wanted, bool estimate)
       : comm_(comm), scene_(scene), samples_(samples), wanted_(wanted), estimate_(estimate) {}
 
-  /// A set-up and a step of a rung.
+  /// Times the set-up and a step of a rung.
   [[nodiscard]] CostModel::Timed time(const Rung& rung) const {
     constexpr double enough = 0.5, patience = 1; // of the shortest run; s
     constexpr int more = 4;
@@ -32,14 +32,14 @@ public:
   }
 
 private:
-  /// Unknowns and seconds with this many of the rung's steps.
+  /// Unknowns and seconds of a run with this many of the rung's steps.
   [[nodiscard]] std::pair<double, double> run(const Rung& rung, int steps) const {
     Rung few = rung;
     few.steps = steps;
     scene::Scene part = on_rung(scene_, few);
     part.time.step = scene_.time.end / rung.steps;
     part.time.end = steps * part.time.step;
-    const Elapsed elapsed(comm_); // by which all ranks come to the same number of steps
+    const Elapsed elapsed(comm_); // the same on all ranks, so that they choose the same number of steps
     const Measured measured = measure(comm_, part, samples_, wanted_, estimate_);
     return {static_cast<double>(measured.unknowns), elapsed.seconds()};
   }
@@ -71,7 +71,8 @@ Extent extent(const std::vector<Rung>& rungs, int degree) {
   return found;
 }
 
-/// Of the rungs whose steps the motion chooses, the one that makes the fewest on the coarsest mesh.
+/// The cheapest combination of the rungs whose steps the motion chooses: largest size and tolerance, lowest
+/// degree.
 std::optional<Rung> easiest_of_chosen(const std::vector<Rung>& rungs) {
   std::optional<Rung> found;
   for (const Rung& rung : rungs) {
@@ -155,7 +156,7 @@ RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung
       continue;
     std::vector<CostModel::Timed> timed{runs.time(coarsest)};
     std::map<double, double> unknowns{{coarsest.size, timed.front().unknowns}};
-    // Enough for constants to be little, and not so many that the runs take long.
+    // Enough unknowns for constants to be small, and not so many that the runs take long.
     constexpr double enough = 5000;
     Rung finer = coarsest;
     finer.size =

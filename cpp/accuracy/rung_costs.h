@@ -4,20 +4,20 @@
 
 namespace signorini::accuracy {
 
-/// What runs of one degree take: a set-up and so much for each step, either a constant and a power of the
-/// unknowns n, a + b n^p, with the exponent of step_power(). On coarse meshes the constants are most of it.
+/// Cost of runs of one degree: a set-up and a time for each step, both of the form a + b n^p in the unknowns
+/// n with the exponent of step_power(). On coarse meshes the constants dominate.
 class CostModel {
 public:
-  /// A set-up and a step with this many unknowns, s.
+  /// Measured set-up and step with this many unknowns, s.
   struct Timed {
     double unknowns, setup, step;
   };
 
-  /// From those on one mesh, where constants are not told apart and taken for nothing, or on a coarse and a
-  /// finer one.
+  /// Fits the costs on one mesh, where constant costs cannot be separated and are neglected, or on a coarse
+  /// and a finer one.
   CostModel(const std::vector<Timed>& timed, int dim);
 
-  /// Of a whole run, s.
+  /// Predicted seconds of a whole run.
   [[nodiscard]] double seconds(double unknowns, double steps) const;
 
 private:
@@ -31,22 +31,22 @@ private:
 /// Predicted unknowns and seconds of rungs.
 class RungCosts {
 public:
-  /// Of the meshes of one degree.
+  /// Unknowns and cost of the meshes of one degree.
   struct DegreeCost {
     int degree;
     int dim;
-    std::map<double, double> unknowns; ///< by size, of one or more meshes
+    std::map<double, double> unknowns; ///< number of unknowns by size, of one or more meshes
     CostModel cost;
   };
-  /// `steps_by_width`: chosen steps times their Rung::step_width(), of any tolerance.
+  /// `steps_by_width`: number of chosen steps times Rung::step_width(), the same for any tolerance.
   RungCosts(std::vector<DegreeCost> known, double steps_by_width)
       : known_(std::move(known)), steps_by_width_(steps_by_width) {}
 
-  /// Powers of the size between those that are known; beyond them it is the dimension's.
+  /// Predicted number of unknowns: a power of the size, fitted between known sizes; beyond, the dimension's.
   [[nodiscard]] double unknowns(const Rung& rung) const;
   [[nodiscard]] double seconds(const Rung& rung) const;
 
-  /// Corrects the predictions by what a rung has taken: all of them by the same factor.
+  /// Corrects the predictions by the measured seconds of a rung: all of them by the same factor.
   void learn(const Rung& rung, double seconds);
 
 private:
@@ -54,14 +54,14 @@ private:
   [[nodiscard]] double priced(const Rung& rung) const;
   std::vector<DegreeCost> known_;
   double steps_by_width_;
-  double expected_ = 0, found_ = 0; ///< of the rungs that have run
+  double expected_ = 0, found_ = 0; ///< predicted and measured seconds of the rungs that have run
 };
 
-/// RungCosts a ladder by runs of few steps, for each degree on its coarsest mesh and on one of some thousand
-/// unknowns, as many steps as it takes for them to be half as long as the set-up. Steps that the motion
-/// chooses are priced like as many of one length; how many there will be, that of the largest tolerance on
-/// the coarsest mesh tells. `estimate`: that of the
-/// error of J is part of a run. Collective. Throws UserError, SolverFailure, Interrupted.
+/// Predicts the costs of a ladder from runs of few steps, for each degree on its coarsest mesh and on one of
+/// some thousand unknowns. A run makes as many steps as take half as long as the set-up. Steps that the
+/// motion chooses are priced like equally many of one length; their number is measured with the largest
+/// tolerance on the coarsest mesh. `estimate`: whether a run includes the estimate of J's error. Collective.
+/// Throws UserError, SolverFailure, Interrupted.
 RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
                 const Samples& samples, const std::vector<Quantity>& wanted, bool estimate);
 

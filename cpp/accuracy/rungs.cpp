@@ -17,16 +17,16 @@ scene::TimeScheme time_scheme(scene::ContactScheme scheme) {
 
 std::vector<scene::ContactScheme> schemes(const scene::Scene& scene, const std::vector<std::string>& given) {
   std::vector<std::string> allowed = scene::all_names<scene::ContactScheme>();
-  allowed.pop_back(); // mixed is what a scene may have, and nothing to ask for
+  allowed.pop_back(); // mixed: a scene may have it, an option may not name it
   std::vector<scene::ContactScheme> schemes;
   for (const std::string& name : given) {
     const auto found = std::ranges::find(allowed, name);
     if (found == allowed.end())
-      throw UserError(fmt::format("--schemes: found \"{}\", allowed: {}", name, list(allowed)));
+      throw UserError(fmt::format("--schemes: found \"{}\"; choices: {}", name, list(allowed)));
     if (found != allowed.begin() && scene.contacts.empty())
-      throw UserError(fmt::format(
-          "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
-          name, allowed.front()));
+      throw UserError(fmt::format("--schemes: found \"{}\" in a scene without contact, where it makes no "
+                                  "difference; leave it out or choose {}",
+                                  name, allowed.front()));
     schemes.push_back(static_cast<scene::ContactScheme>(found - allowed.begin()));
   }
   return schemes;
@@ -42,7 +42,7 @@ int steps_of(double tau, double end) {
   const double steps = std::round(end / tau);
   if (!(steps <= scene::Time::most_steps))
     throw UserError(fmt::format(
-        "--steps: found {} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}", tau,
+        "--steps: found {} s, which makes {:.10g} steps to time.end = {:.10g} s; choose 1 to {} steps", tau,
         end / tau, end, scene::Time::most_steps));
   return std::max(1, static_cast<int>(steps));
 }
@@ -50,10 +50,10 @@ int steps_of(double tau, double end) {
 void require_positive(const std::vector<double>& values, const char* option, const char* unit) {
   for (double value : values)
     if (!(value > 0 && std::isfinite(value)))
-      throw UserError(fmt::format("{}: found {}, allowed are numbers above 0 {}", option, value, unit));
+      throw UserError(fmt::format("{}: found {}; expected numbers above 0 {}", option, value, unit));
 }
 
-/// Steps and tolerances, whatever the size.
+/// Rungs of all steps and tolerances, without sizes.
 std::vector<Rung> rungs_in_time(const scene::Time& time, const Choice& choice) {
   constexpr std::array multiples{4.0, 2.0, 1.0};
   std::vector<double> steps, tolerances;
@@ -91,17 +91,17 @@ std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {
   require_positive(choice.steps, "--steps", "s");
   for (double tolerance : choice.tolerances)
     if (!(tolerance >= scene::Time::least_tolerance && tolerance <= scene::Time::most_tolerance))
-      throw UserError(fmt::format("--tolerances: found {}, allowed are numbers from {} to {}", tolerance,
+      throw UserError(fmt::format("--tolerances: found {}; expected numbers from {} to {}", tolerance,
                                   scene::Time::least_tolerance, scene::Time::most_tolerance));
   for (int degree : choice.degrees)
     if (degree != 1 && degree != 2)
-      throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
+      throw UserError(fmt::format("--degrees: found {}; expected 1 or 2", degree));
   const std::vector<scene::ContactScheme> given = schemes(scene, choice.schemes);
   const bool meshed = scene.mesh.meshed();
   if (!choice.sizes.empty() && meshed)
-    throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
+    throw UserError("--sizes: have no effect on a .msh, which is meshed already; use a .geo");
   if (choice.graded && meshed)
-    throw UserError("--graded: has no effect on a .msh, which is meshed already; allowed with a .geo");
+    throw UserError("--graded: has no effect on a .msh, which is meshed already; use a .geo");
   const double size = scene.mesh.size.value_or(scene.mesh.scale);
   const std::vector<double> sizes =
       or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});

@@ -11,30 +11,30 @@ namespace signorini::accuracy {
 
 /// One run of a ladder.
 struct Rung {
-  double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
-  int steps = 0;   ///< of one length; 0 where the motion chooses them
+  double size = 1; ///< element size, m; without mesh.size the scale of the .geo's own sizes
+  int steps = 0;   ///< number of steps of one length; 0: chosen by the motion
   int degree = 1;
   scene::ContactScheme scheme = scene::ContactScheme::contact_implicit;
-  double tolerance = 0; ///< of steps that the motion chooses (time.tolerance), else 0
-  bool graded = false;  ///< sizes vary with the error (Mesh::graded), with as many elements as of `size`
+  double tolerance = 0; ///< time.tolerance of steps that the motion chooses, else 0
+  bool graded = false;  ///< sizes vary with the error (Mesh::graded); as many elements as a mesh of `size`
 
   [[nodiscard]] bool chooses_steps() const { return tolerance > 0; }
-  /// A number as whose square the error in time falls: the part of the whole time that a step takes or, of
-  /// steps that the motion chooses, the square root of their tolerance.
+  /// Width of the steps; the error in time falls as its square. It is the part of the whole time that a step
+  /// takes or, if the motion chooses steps, the square root of their tolerance.
   [[nodiscard]] double step_width() const { return chooses_steps() ? std::sqrt(tolerance) : 1.0 / steps; }
-  /// The same with steps, on the average, `factor` times as wide; whole numbers of steps are rounded up.
+  /// This rung with steps, on the average, `factor` times as wide; whole numbers of steps are rounded up.
   [[nodiscard]] Rung with_steps(double factor) const;
 
   friend auto operator<=>(const Rung&, const Rung&) = default;
 };
 
-/// What a ladder is made of; an empty list stands for the default.
+/// Values that make up a ladder; an empty list stands for the default.
 struct Choice {
   std::vector<double> sizes{}, steps{}; ///< m, s
   std::vector<int> degrees{};
   std::vector<std::string> schemes{};  ///< names of all but mixed
-  std::vector<double> tolerances = {}; ///< of steps that the motion chooses
-  bool graded = false;                 ///< the same rungs once more with sizes that vary
+  std::vector<double> tolerances = {}; ///< tolerances of steps that the motion chooses
+  bool graded = false;                 ///< whether to add the same rungs with sizes that vary
 };
 
 /// Names of a rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
@@ -43,12 +43,12 @@ struct SchemeAndMass {
 };
 SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
 
-/// Every size with every step, tolerance, degree and scheme; the default is the scene's own with twice and
-/// four times its size and step or, with time.step = "auto", four and sixteen times its tolerance, and then
-/// no steps of one length, else no tolerance. Where the .geo sets its own sizes they are scales of these; a
-/// .msh has one. Graded meshes come beside those of one size. Steps are the nearest that divide time.end. A
-/// scheme that is named holds for every contact; without one they are as the scene has them. Throws
-/// UserError.
+/// All rungs of a choice: every size with every step, tolerance, degree and scheme. The default is the
+/// scene's own with twice and four times its size and step. With time.step = "auto" it has four and sixteen
+/// times its tolerance and no steps of one length, else no tolerance. Where the .geo sets its own sizes they
+/// are scales of these; a .msh has one. Graded meshes are added to those of one size. Steps are the nearest
+/// that divide time.end. A named scheme applies to every contact; without one each contact keeps the scene's.
+/// Throws UserError.
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice);
 
 /// The rung of the scene's own size, steps, degree and scheme.
@@ -57,20 +57,19 @@ Rung own_rung(const scene::Scene& scene);
 /// The scene with the size, step, degree and scheme of a rung.
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
 
-/// The exponent with which the time of a step with a factor grows in its unknowns: ./dev bench scaling,
-/// space.
+/// Exponent in the unknowns of the time of a step with a factor, in 2D and 3D: ./dev bench scaling, space.
 constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
 
 /// A number to which the unknowns of a rung are proportional.
 double relative_unknowns(const Rung& rung, int dim);
 
-/// A number to which the time of a rung is proportional, among those whose steps come about alike.
+/// A number to which the time of a rung is proportional, among rungs with the same kind of steps.
 double work(const Rung& rung, int dim);
 
-/// "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1"; the scheme too where it is not
-/// contact-implicit.
+/// The rung in words: "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1", with the
+/// scheme if it is not contact-implicit.
 std::string words(const Rung& rung, const scene::Scene& scene);
-/// "step 5e-05" or "tolerance 0.01".
+/// The steps in words: "step 5e-05" or "tolerance 0.01".
 std::string words_of_step(const Rung& rung, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

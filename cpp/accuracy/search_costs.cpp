@@ -58,7 +58,7 @@ SearchCost search_to(MPI_Comm comm, const scene::Scene& given, double tolerance)
   case scene::OptimizerMethod::newton_cg:
     return search_by<optimize::NewtonCg>(comm, scene);
   case scene::OptimizerMethod::projected_gradient:
-  case scene::OptimizerMethod::gauss_newton: // of fits alone
+  case scene::OptimizerMethod::gauss_newton: // for fits only
     break;
   }
   return search_by<optimize::ProjectedGradient>(comm, scene);

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-/// What the accuracy of a search costs, beside that of its mesh and its steps.
+/// Cost of a search's accuracy, apart from that of its mesh and its steps.
 namespace signorini::accuracy {
 
 /// A search of a scene's optimum to one tolerance.
 struct SearchCost {
   double tolerance = 0; ///< optimizer.tolerance
   double objective = 0; ///< J where the search ends
-  int iterations = 0;   ///< on the scene's mesh, as the sweeps
+  int iterations = 0;   ///< number on the scene's mesh, as of sweeps
   int forward_sweeps = 0, adjoint_sweeps = 0;
-  double seconds = 0; ///< of the search, its coarse meshes included; without mesh and set-up
+  double seconds = 0; ///< time of the search with its coarse meshes, without mesh and set-up
   std::string stop_reason{};
 };
 
@@ -35,8 +35,8 @@ std::string csv(const std::vector<SearchCost>& searches);
 /// The table of the searches for the console, without the last line's end.
 std::string table(const std::vector<SearchCost>& searches);
 
-/// The cheapest search that leaves at most a tenth of `error`, relative, the estimated error of J by the size
-/// and the step; or that none does.
+/// Names the cheapest search that leaves at most a tenth of `error`, or states that none does. `error`:
+/// estimated error of J by the size and the step, relative.
 std::string sentence(const std::vector<SearchCost>& searches, double error);
 
 } // namespace signorini::accuracy

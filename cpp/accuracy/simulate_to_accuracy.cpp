@@ -10,7 +10,7 @@
 namespace signorini::accuracy {
 namespace {
 
-/// A folder that is gone with this object; its name is known on every rank. Collective.
+/// Temporary folder, removed with this object; its name is known on every rank. Collective.
 class ScratchFolder {
 public:
   explicit ScratchFolder(MPI_Comm comm) : comm_(comm) {
@@ -44,7 +44,7 @@ int simulate_to_accuracy(MPI_Comm comm, scene::Scene scene, const std::filesyste
   if (asked.budget)
     stop_after(*asked.budget);
   std::optional<ScratchFolder> scratch;
-  // Under the control that is given, whatever an objective desires.
+  // With the given control: an objective has no effect.
   scene::Scene simulated = scene;
   simulated.objective.reset();
   if (scene.mesh.automatic()) { // from now on at a scale of sizes that vary

@@ -42,7 +42,7 @@ bool on_all(MPI_Comm comm, bool root_says) {
   return flag != 0;
 }
 
-/// A study under way: its rungs from cheap to dear and its searches, and what is known of them.
+/// A study in progress: its rungs in the order of cost, its searches, and their results.
 class Study {
 public:
   Study(MPI_Comm comm, const scene::Scene& scene, const Options& options, const std::vector<Quantity>& wanted,
@@ -52,8 +52,8 @@ public:
         price_(price), elapsed_(elapsed), console_(console), root_(rank(comm) == 0),
         exact_(exact_values(scene, samples)) {}
 
-  /// Takes what the folder has of the rungs. All, for errors refer to the finest, however early the study
-  /// ends.
+  /// Loads the results of all rungs that the folder has: errors refer to the finest, even if the study ends
+  /// early.
   void load(const std::vector<Rung>& rungs) {
     if (root_)
       origin_.emplace(scene_, samples_, ranks(comm_));
@@ -68,7 +68,7 @@ public:
     MPI_Bcast(&kept_, 1, MPI_INT, 0, comm_);
   }
 
-  /// Runs the others, as far as the budget goes. Returns the exit status.
+  /// Runs the rungs without results within the budget. Returns the exit status.
   int run() {
     for (std::size_t i = 0; i < results_.size(); ++i) {
       const Rung& rung = results_[i].rung;
@@ -102,7 +102,7 @@ public:
     return 0;
   }
 
-  /// Searches the optimum to each tolerance, as far as the budget goes. Returns the exit status.
+  /// Searches the optimum to each tolerance within the budget. Returns the exit status.
   int search() {
     const std::vector<double>& tolerances = options_.search_tolerances;
     if (left_ || tolerances.empty())
@@ -144,7 +144,7 @@ public:
     return status;
   }
 
-  /// Writes and shows what came out.
+  /// Writes and prints the results.
   void conclude(const std::filesystem::path& out) const {
     if (ran_ + kept_ == 0) {
       console_.line("no rung has run: nothing is written");
@@ -158,10 +158,10 @@ public:
     if (kept_ > 0)
       console_.line(fmt::format("{} of {} rungs were there already", kept_, results_.size()));
     if (left_)
-      console_.line(fmt::format(
-          "the budget ends before rung {} of {}, which would take about {}; the same command with "
-          "a larger --budget goes on from here",
-          *left_ + 1, results_.size(), duration(price_->seconds(results_[*left_].rung))));
+      console_.line(fmt::format("the budget ends before rung {} of {}, which would take about {}; the same "
+                                "command with a larger --budget continues from here",
+                                *left_ + 1, results_.size(),
+                                duration(price_->seconds(results_[*left_].rung))));
     if (searches_left_ || (left_ && !options_.search_tolerances.empty()))
       console_.line("the budget ends before the last search; the same command with a larger --budget "
                     "continues from here");
@@ -198,7 +198,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   const Elapsed elapsed(comm);
   if (!options.search_tolerances.empty())
     require_searches(given, options.search_tolerances);
-  (void)chosen(given, options.quantities, 2); // a wrong name before any mesh is read
+  (void)chosen(given, options.quantities, 2); // reports a wrong name before any mesh is read
   scene::Scene scene = given;
   std::vector<Rung> rungs = all_rungs(scene, options.choice);
   std::optional<RungCache> store;

@@ -7,7 +7,7 @@ namespace signorini::accuracy {
 
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console) {
-  constexpr double usual_budget = 600; // s, as --help says
+  constexpr double usual_budget = 600; // s, as in --help
   const std::unique_ptr<TrialRuns> trials =
       study_trials(comm, scene, options.quantities, "--suggest", console);
   const Elapsed elapsed(comm);

@@ -14,7 +14,7 @@ std::string shown(const std::optional<double>& error) {
   return error ? percent(*error, digits) : "-";
 }
 
-/// An order and its range, or that it means nothing.
+/// An order and its range, or "none" outside of the asymptotic range.
 std::string shown(const std::optional<Order>& order) {
   if (!order)
     return "-";
@@ -35,7 +35,7 @@ std::optional<double> own_error(const std::vector<Errors>& errors, const std::ve
   return J->estimate[i] ? J->estimate[i] : J->error[i];
 }
 
-/// What errors of a quantity are taken against.
+/// Reference of a quantity's errors, in words.
 std::string against(const Errors& errors) {
   if (errors.exact)
     return "errors against the exact value";
@@ -138,7 +138,7 @@ void Summary::show_warnings(const Console& console) const {
     one.rungs.pop_back();
     const std::string others =
         one.rungs.empty() ? ""
-                          : fmt::format(" (likewise rung{} {}: study.json)", one.rungs.size() == 1 ? "" : "s",
+                          : fmt::format(" (also rung{} {}: study.json)", one.rungs.size() == 1 ? "" : "s",
                                         fmt::join(one.rungs, ", "));
     console.line(fmt::format("warning: rung {}: {}{}", last, one.message, others));
   }
@@ -191,7 +191,7 @@ void Summary::show_orders(const Console& console) const {
 
 namespace {
 
-/// What a recommendation rests on.
+/// Basis of a recommendation, in words.
 std::string grounds(const Errors& errors, double envelope) {
   std::string text = fmt::format("off by at most {} there and at all finer rungs", percent(envelope));
   if (errors.bar)
@@ -199,8 +199,8 @@ std::string grounds(const Errors& errors, double envelope) {
   return text;
 }
 
-/// The rung with the smallest envelope, the cheapest of those within a tolerance that no warning puts in
-/// warning, and the cheapest of the others.
+/// The rung with the smallest envelope, the cheapest one within a tolerance without a warning, and the
+/// cheapest one with a warning.
 struct Best {
   std::optional<std::size_t> nearest, cheapest, warned;
 };
@@ -243,9 +243,7 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
     return {fmt::format("nothing is recommended for {}: finer rungs have no number", title)};
   if (!errors.exact && !errors.bar)
     return {fmt::format(
-        "nothing is recommended for {}: nothing tells how far the finest rung is off, which takes "
-        "a second size or step",
-        title)};
+        "nothing is recommended for {}: an error bar of the finest rung needs a second size or step", title)};
   const double bar = errors.bar ? errors.bar->value : 0;
   std::vector<std::string> texts;
   for (double target : {0.1, 0.05, 0.01, 0.001}) {

@@ -6,7 +6,7 @@
 
 namespace signorini::accuracy {
 
-/// What the rungs that have run tell, as files and on the console, in tables of at most 80 columns. Used on
+/// Results of the rungs that have run, as files and on the console, in tables of at most 80 columns. Used on
 /// rank 0.
 class Summary {
 public:
@@ -18,7 +18,7 @@ public:
   void show(const Console& console) const;
 
 private:
-  /// Of a rung, in words.
+  /// Size of a rung as text; "~" marks sizes that vary.
   [[nodiscard]] static std::string size(const Result& result);
   /// The length of a rung's steps, or the tolerance by which they were chosen.
   [[nodiscard]] std::string step(const Result& result) const;

@@ -13,7 +13,7 @@
 namespace signorini::accuracy {
 namespace {
 
-/// What the trials of both kinds of estimate share.
+/// Common part of the trials with either kind of estimate.
 class MeasuredTrials : public TrialRuns {
 public:
   MeasuredTrials(MPI_Comm comm, const scene::Scene& scene, Samples samples, Quantity quantity,
@@ -53,9 +53,9 @@ public:
   }
 
 protected:
-  /// All that have to run for a rung.
+  /// All rungs that have to run for the estimate of a rung.
   [[nodiscard]] virtual std::vector<Rung> runs(const Rung& rung) const = 0;
-  /// The measurements of a trial's own rung, and of others.
+  /// Measurements of a rung; runs it unless they are stored.
   virtual Measured known(const Rung& rung) = 0;
 
   MPI_Comm comm_;
@@ -66,7 +66,7 @@ protected:
   KeepTrial keep_;
 
 private:
-  /// Prices the rungs that a refinement may come to.
+  /// Predicts the costs of the rungs that a refinement may come to.
   [[nodiscard]] RungCosts price() const {
     std::vector<Rung> rungs;
     for (const std::optional<Rung>& one : {std::optional(beginnings().front()), other_degree()})
@@ -120,7 +120,7 @@ private:
     return rung == ran_ ? last_ : measure(comm_, on_rung(scene_, rung), samples_, {}, false);
   }
 
-  Rung ran_; ///< the last
+  Rung ran_; ///< the rung that ran last
   Measured last_;
 };
 
@@ -141,7 +141,7 @@ public:
     return raised;
   }
 
-  /// Steps of twice and four times the length are whole parts of the time, and tolerances for them exist.
+  /// The nearest rung for which steps of twice and four times the length exist.
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
     Rung next = rung;
     if (rung.chooses_steps())
@@ -156,7 +156,7 @@ public:
     for (const Rung& one : runs(rung))
       results.push_back({one, known(one)});
     const std::optional<ReferenceBar> bar = errors(quantity_, results, {}).bar;
-    constexpr double nothing = 1; // is known
+    constexpr double nothing = 1; // a relative error: nothing is known
     const Measured& measured = *results.back().measured;
     const double space = bar && bar->size ? *bar->size : nothing,
                  time = bar && bar->step ? *bar->step : nothing;
@@ -199,30 +199,29 @@ private:
   std::map<Rung, Measured> measured_;
 };
 
-/// The quantity to be accurate: that asked for, or J. Throws UserError.
+/// The requested quantity, or J by default. Throws UserError.
 Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>& names, int dim,
                       const char* option) {
   std::vector<std::string> allowed;
   for (const Quantity& quantity : quantities(scene, dim))
-    if (!quantity.absolute) // whose error is known without
+    if (!quantity.absolute) // an absolute quantity is its own error
       allowed.push_back(quantity.name);
   if (names.empty() && !scene.objective)
-    throw UserError(fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}",
-                                option, list(allowed)));
+    throw UserError(fmt::format("{}: a scene without an objective needs --quantity; choose one of {}", option,
+                                list(allowed)));
   const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
   if (names.size() > 1 || found.absolute)
-    throw UserError(fmt::format("{}: found --quantity {}, allowed is one of {}", option,
-                                fmt::join(names, ","), list(allowed)));
+    throw UserError(fmt::format("{}: found --quantity {}; choose one of {}", option, fmt::join(names, ","),
+                                list(allowed)));
   return found;
 }
 
 void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
   if (scene.mesh.meshed())
-    throw UserError(fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
+    throw UserError(fmt::format("{}: found a .msh, which is meshed already; use a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
-    throw UserError(fmt::format("{}: found mesh.degree = {}, allowed is 1: the estimate in space "
-                                "looks at what functions of degree 2 "
-                                "have beyond those of degree 1",
+    throw UserError(fmt::format("{}: found mesh.degree = {}; set it to 1, since the estimate in space "
+                                "compares degree 1 with degree 2",
                                 option, scene.mesh.degree));
 }
 

@@ -233,7 +233,7 @@ Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& activ
   check(VecAXPY(left_, -1, image_));
   double product = precondition(active);
   check(VecCopy(z_, direction_));
-  // Of a squared norm: 1 % in the bubbles' energy norm, below the error that the estimate neglects.
+  // Bound of a squared norm: 1 % in the bubbles' energy norm, below the error that the estimate neglects.
   constexpr double tolerance = 1e-4;
   constexpr int most = 1000;
   const double enough = tolerance * std::max(size, product);

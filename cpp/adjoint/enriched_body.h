@@ -20,7 +20,7 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
 
-  /// y of degree 1 as a function of degree 2. Collective.
+  /// Writes y of degree 1 as a function of degree 2. Collective.
   void embed(Vec y, Vec out) const;
 
   /// The interpolation of a field at time t (s) in degree 2 less that in the run's space, a combination of
@@ -33,13 +33,13 @@ public:
   };
   [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
 
-  /// The modulus of what the bubbles of each edge have in x, a sum over components, shared by the cells at
-  /// the edge: one number for each cell owned. Collective.
+  /// Modulus of the sum of x over the bubbles of each edge, shared equally by the cells at the edge: one
+  /// number for each owned cell. Collective.
   [[nodiscard]] std::vector<double> by_cells(Vec x) const;
 
-  /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move: zero
-  /// at vertices and clamped dofs and, along ν, in the middle of edges whose ends are both active against the
-  /// same obstacle. Collective.
+  /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move. It is
+  /// then zero at vertices and clamped dofs and, along ν, in the middle of edges whose ends are both active
+  /// against the same obstacle. Collective.
   void keep_bubbles(const contact::ActiveSet& active, Vec x) const;
 
 private:
@@ -59,7 +59,7 @@ private:
   InitialError initial_error_;
 };
 
-/// The adjoint states p_k of a run and ω_k, at steps k and k + 1, for k from N down; M ω_k is the derivative
+/// The adjoint states p_k of a run and ω_k, at steps k and k + 1, for k from N down. M ω_k is the derivative
 /// by v_k of the part of J after t_k (docs/method.md section 4):
 ///     ω_N = 0,   ω_{k−1} = τ_k p_k − ω_k;   contact-stabilized steps add τ_k (Π_k − 1)(p_k − 2/τ_k ω_k)
 class Duals {
@@ -96,8 +96,8 @@ public:
   /// this object.
   DualBubbles(const EnrichedBody& body, const step::DualAtStep& derivative, const step::TimeGrid& grid);
 
-  /// β_k on the active set of step k, from N − 1 down. Valid until the next call. Collective. Throws
-  /// SolverFailure.
+  /// Computes β_k on the active set of step k, for k from N − 1 down. Valid until the next call. Collective.
+  /// Throws SolverFailure.
   Vec next(int k, const Duals& duals, const contact::ActiveSet& active);
 
   /// β_k of the last call of next(); zero before the first.
@@ -106,11 +106,11 @@ public:
 private:
   void residual(int k, const Duals& duals);
   void add(Mat matrix, double factor);
-  /// Takes the mean length of the steps that meet.
+  /// Sets the mean length of the two steps that meet at t_k.
   void set_length(double mean);
   /// out = (τ A + B) x, τ the mean length, restricted to the bubbles that are free to move.
   void apply(Vec x, const contact::ActiveSet& active, Vec out);
-  /// z = residual / diagonal, restricted likewise; returns z · residual.
+  /// Sets z = residual / diagonal, restricted to these bubbles; returns z · residual.
   double precondition(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;

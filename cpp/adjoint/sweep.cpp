@@ -13,7 +13,7 @@ namespace {
 
 long& sweeps = count("adjoint sweeps");
 
-/// A motion as the sweep sees it.
+/// The data of a motion that a sweep needs.
 struct Motion {
   const step::Stepper& stepper;
   const step::TimeGrid& grid;
@@ -31,8 +31,8 @@ struct Motion {
   }
 };
 
-/// The derivatives of J by velocities and forces. The dual of v_k is M ω_k + e_k: what J depends on
-/// velocities by enters through e_k, so that no system with M is solved.
+/// The derivatives of J by velocities and forces. The dual of v_k is M ω_k + e_k: the dependence of J on
+/// velocities enters through e_k, so that no system with M is solved.
 class FunctionalTerms {
 public:
   FunctionalTerms(const Motion& motion, const VelocityForceDuals& duals)
@@ -43,7 +43,7 @@ public:
       force_ = motion.stepper.space().vector();
   }
 
-  /// Adds to ∂J/∂y_k what velocities contribute; e_k from e_{k+1}.
+  /// Adds the contribution of velocities to ∂J/∂y_k; computes e_k from e_{k+1}.
   void add_to(int k, const step::StateDual& dual) {
     if (duals_.of_forces() && k > 0)
       duals_.forces(k, normal_);
@@ -61,7 +61,8 @@ public:
     duals_.add_velocities(factors_, dual.vector);
   }
 
-  /// The force −rate() e_{k+1} that the transposed projection of step k + 1 sees beside M s_{k+1}.
+  /// Data of the transposed projection of step k + 1: it acts on M s_{k+1} and the force −rate() e_{k+1}.
+  /// Null if that predictor is not projected.
   const step::PredictorProjection::Data* projection(int k) {
     if (!motion_.projected(k + 1))
       return nullptr;
@@ -86,17 +87,17 @@ public:
   }
 
   [[nodiscard]] const VelocityForceDuals& duals() const { return duals_; }
-  /// Multipliers of the step, of the projection (of rows).
+  /// Multipliers of the step and of the projection (rows).
   [[nodiscard]] std::span<const double> mu() const { return mu_; }
   [[nodiscard]] std::span<const double> zeta() const { return zeta_; }
-  /// The dual of the initial velocities, less M ω_0.
+  /// Adds the dual of the initial velocities, less M ω_0.
   void add_start(Vec dual) const { duals_.add_velocities(e_, dual); }
 
 private:
   const Motion& motion_;
   const VelocityForceDuals& duals_;
   std::vector<double> normal_, zero_, mu_, zeta_; ///< normal_: ∂J/∂λ_k
-  std::vector<double> e_, e_next_, factors_;      ///< of the functionals of velocities
+  std::vector<double> e_, e_next_, factors_;      ///< e_k, e_{k+1} by functionals of velocities
   petsc::Vector force_{};
   step::PredictorProjection::Data projection_;
 };
@@ -112,13 +113,13 @@ public:
     from_.copy(states_.at(motion.steps()));
   }
 
-  /// Before the transpose of step k: s_{k+1}, of which the projection of step k + 1 is made.
+  /// Computes s_{k+1}, the argument of the projection of step k + 1, before the transpose of step k.
   void before(int k, const step::AdjointState& state) {
     if (motion_.projected(k + 1))
       check(VecWAXPY(s_, -motion_.grid.scheme(k + 1).rate(), state.omega, state.p_next));
   }
 
-  /// Of step k + 1, to which rates_ refer: z·r_j + ζ·e_j, z = s + jump.
+  /// Adds the part of the predictor of step k + 1, to which rates_ refer: z·r_j + ζ·e_j, z = s + jump.
   void add_predictor(int k, Vec jump) {
     if (!jump)
       return;
@@ -146,7 +147,7 @@ public:
     }
   }
 
-  /// By the initial state, whose duals `state` has.
+  /// Adds the part of the initial state, whose duals are in `state`, and returns the gradient.
   std::vector<double> finish(const step::AdjointState& state) {
     check(MatMult(motion_.stepper.M(), state.omega, r_));
     terms_.add_start(r_);
@@ -164,13 +165,13 @@ private:
   const FunctionalTerms& terms_;
   const trajectory::Trajectory& states_;
   step::ParameterRates& rates_;
-  step::State from_, to_; ///< of the step
+  step::State from_, to_; ///< states before and after the step
   petsc::Vector s_, r_;
-  std::vector<double> c_; ///< of one unknown (of rows)
+  std::vector<double> c_; ///< constraint rates of one unknown (rows)
   std::vector<double> gradient_;
 };
 
-/// Makes the adjoint steps N … 1: `step(k, state)` describes one, `made(k, state, jump)` sees it.
+/// Makes the adjoint steps N … 1: `step(k, state)` describes one, `made(k, state, jump)` receives it.
 template <class Step, class Made>
 step::AdjointState backward(const Motion& motion, step::Stepper::Workspace& work, Step&& step, Made&& made) {
   ++sweeps;

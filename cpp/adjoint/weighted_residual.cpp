@@ -101,7 +101,7 @@ private:
     return dot(x, product_);
   }
 
-  /// From T back to the middle of step N, over which π falls by half.
+  /// Adds the time from T back to the middle of step N, over which π falls by half.
   void end() {
     const double tau = grid_.length(steps_);
     check(VecAXPBY(change_, -0.5, 0, now_));
@@ -109,7 +109,7 @@ private:
     sum_ -= tau * tau / 6 * weighed(change_, stepper_.operators().A);
   }
 
-  /// From the middle of step k + 1 back to that of step k.
+  /// Adds the time from the middle of step k + 1 back to that of step k.
   void interface(int k) {
     const fem::Operators& body = stepper_.operators();
     const double tau = grid_.length(k), tau_later = grid_.length(k + 1), between = (tau + tau_later) / 2;
@@ -138,7 +138,7 @@ private:
     return end_;
   }
 
-  /// From the middle of step 1 back to 0, with π' of t_1, and the brackets there.
+  /// Adds the time from the middle of step 1 back to 0, with π' of t_1, and the brackets there.
   void start() {
     const Mat A = stepper_.operators().A;
     const double tau = grid_.length(1);
@@ -158,7 +158,7 @@ private:
   int steps_;
   const step::ForceAtStep& load_;
   double sum_ = 0;
-  petsc::Vector change_, now_, later_; ///< of π over the last interval; π_k, π_{k+1}
+  petsc::Vector change_, now_, later_; ///< change of π over the last interval; π_k, π_{k+1}
   petsc::Vector force_, force_later_, moves_, product_, end_;
 };
 
@@ -227,8 +227,8 @@ public:
 private:
   void make_room() { std::rotate(between_.begin(), between_.end() - 1, between_.end()); }
 
-  /// Weighs the residuals about the time of the last bubbles by these, in the mean of three times: they
-  /// alternate from step to step in contact, as forces do.
+  /// Weights the residuals around the time of the last bubbles with these, as a mean over three times: in
+  /// contact they alternate from step to step, as forces do.
   void weigh_last() {
     petsc::combine(mean_, 0.25, between_[0], 0.5, between_[1]);
     check(VecAXPY(mean_, 0.25, between_[2]));

@@ -8,7 +8,7 @@
 namespace signorini::app {
 namespace {
 
-/// What a key may be, where these are a few words: those that the reference quotes.
+/// Choices of a key that takes one of a few words, as the reference quotes them; else empty.
 std::vector<std::string> choices(const scene::KeyLine& key) {
   if (key.value.starts_with("`true`"))
     return {"true", "false"};

@@ -11,7 +11,8 @@ struct VerbOptions {
   std::vector<std::string> options;
 };
 
-/// A script by which bash completes verbs, options, folders, scenes, the keys of --set and their choices.
+/// Returns a script with which bash completes verbs, options, folders, scenes, the keys of --set and their
+/// choices.
 std::string bash_completion(const std::vector<VerbOptions>& verbs);
 
 } // namespace signorini::app

@@ -19,10 +19,10 @@
 namespace signorini::app {
 namespace {
 
-/// What an effect adds.
+/// Cost of an effect: matrices, memory and work in a step.
 struct Cost {
   std::string matrices{};
-  double bytes = 0; ///< of the matrices and of vectors
+  double bytes = 0; ///< memory of the matrices and of vectors
   std::string step{};
 };
 
@@ -59,7 +59,7 @@ std::string again(const problem::Problem& problem) {
   const int slots =
       static_cast<int>(std::lround(storage.bytes() / trajectory::Checkpoint::bytes(problem.stepper)));
   const double made = static_cast<double>(trajectory::steps_made(problem.steps(), slots));
-  return fmt::format(", and {:.2f} steps made again{} ({} checkpoints)", made / problem.steps() - 1,
+  return fmt::format(", and {:.2f} steps recomputed{} ({} checkpoints)", made / problem.steps() - 1,
                      computed ? " of either motion" : "", slots);
 }
 
@@ -108,7 +108,7 @@ Costs costs(const problem::Problem& problem) {
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
     costs["contact"] = {fmt::format("of the {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
-                        "in flight a look at the gaps; in contact an inequality"};
+                        "in flight a check of the gaps; in contact an inequality"};
     if (stepper.predictor())
       costs["contact-stabilized"] = {"the factor of M", stepper.scheme_bytes(),
                                      "in contact an inequality with M"};

@@ -50,11 +50,12 @@ void require_verb(int argc, char** argv) {
     names.emplace_back(verb.name);
   const std::string allowed = signorini::list(names);
   if (argc < 2)
-    throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
+    throw UserError(fmt::format("command line: no verb; choose one of {} (see signorini --help)", allowed));
   const std::string found = argv[1];
   if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
-    throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help",
-                                found, signorini::suggestion(found, names), allowed));
+    throw UserError(
+        fmt::format("command line: unknown verb \"{}\"{}; choose one of {} (see signorini --help)", found,
+                    signorini::suggestion(found, names), allowed));
 }
 
 /// Replaces a time such as 90, 90s, 10min or 2h by its seconds; returns an error message, empty if it is
@@ -72,7 +73,7 @@ std::string to_seconds(std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc() || end != number.data() + number.size() || !(value > 0) || !std::isfinite(value))
-    return fmt::format("found {}, allowed are times above 0 such as 90s, 10min or 2h", text);
+    return fmt::format("found {}; expected a time above 0, such as 90s, 10min or 2h", text);
   text = fmt::format("{}", value * unit);
   return {};
 }
@@ -111,7 +112,7 @@ void add_study_options(CLI::App& app, Request& request) {
       ->excludes("--search-tolerances");
 }
 
-/// Adds --accuracy, which is returned, and what goes with it.
+/// Adds --accuracy, which is returned, and the options that need it.
 CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::string& quantity) {
   CLI::Option* const accuracy = app.add_option("--accuracy", request.accuracy,
                                                "choose sizes and steps until this relative error of " +
@@ -132,10 +133,10 @@ void add_keys_options(CLI::App& app, std::string (*&writer)()) {
       "--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
 }
 
-/// What the command line asks for besides a run.
+/// Requests of the command line other than a run.
 struct Asked {
   bool quiet = false;
-  std::string (*keys)() = signorini::scene::reference; ///< prints them
+  std::string (*keys)() = signorini::scene::reference; ///< text of the keys
 };
 
 void add_verbs(CLI::App& app, Request& request, Asked& asked) {
@@ -160,7 +161,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
     if (name == "optimize") {
       CLI::Option* const resume = sub->add_flag(
-          "--resume", request.resume, "go on from the checkpoint in the folder, where there is one");
+          "--resume", request.resume, "continue from the checkpoint in the folder, if there is one");
       add_accuracy_options(*sub, request, "J")->excludes(resume);
     }
     if (name == "simulate") {
@@ -185,7 +186,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     if (name == "study")
       add_study_options(*sub, request);
   }
-  // For --help and for completion: their scripts read the command line.
+  // For --help and completion only: their scripts read the command line.
   for (const signorini::app::ScriptVerb& verb : signorini::app::script_verbs()) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.text);
     for (const char* option : verb.options)
@@ -209,19 +210,17 @@ std::vector<signorini::app::VerbOptions> options(const CLI::App& app) {
 void require_no_more(const CLI::App& app, const std::string& verb) {
   const std::vector<std::string> extra = app.remaining(true);
   if (std::ranges::find(extra, "--resume") != extra.end())
-    throw UserError(
-        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", verb,
-                    verb == "study" ? "; a study goes on from what its folder has without it" : ""));
+    throw UserError(fmt::format("--resume: {} writes no checkpoints; use it with optimize{}", verb,
+                                verb == "study" ? "; a study continues from its folder without it" : ""));
   if (extra.empty())
     return;
   std::vector<std::string> known;
   for (const auto& [name, own] : options(app))
     if (name == verb)
       known = own;
-  throw UserError(
-      fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options {}; "
-                  "see signorini --help",
-                  extra.front(), signorini::suggestion(extra.front(), known), signorini::list(known)));
+  throw UserError(fmt::format(
+      "command line: unexpected \"{}\"{}; give one scene and the options {} (see signorini --help)",
+      extra.front(), signorini::suggestion(extra.front(), known), signorini::list(known)));
 }
 
 /// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
@@ -309,9 +308,8 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     report_error(error.what());
     return wrong_input;
   } catch (const std::bad_alloc&) {
-    const char* text =
-        "there is not enough memory for this scene, allowed are fewer time steps, larger elements or another "
-        "trajectory.storage; signorini info tells what each takes";
+    const char* text = "not enough memory for this scene; use fewer time steps, larger elements or another "
+                       "trajectory.storage (signorini info lists what each takes)";
     if (ranks > 1)
       abort_all(rank, text, wrong_input);
     report_error(text);

@@ -28,7 +28,7 @@ int check(const scene::Scene& scene, const Console& console) {
   return drivers::check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
 
-/// Where a run's results go if the user names no folder: those of an echo back to where it is.
+/// Default folder of a run's results; for the echo of a run, the folder `home` of that run.
 std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
                                    const std::filesystem::path& home) {
   if (verb == "study")
@@ -36,8 +36,8 @@ std::filesystem::path usual_folder(const std::string& verb, const std::string& n
   return home.empty() ? std::filesystem::path("results") / name : home;
 }
 
-/// A run replaces scene.toml in its folder by the echo of its scene. Where that file is itself the scene to
-/// be run, it must be an unchanged echo. Throws UserError.
+/// Throws UserError if the run would replace the user's scene file: a run writes the echo of its scene to
+/// scene.toml in its folder. If that is the scene to be run, it must be an unchanged echo.
 void require_not_the_users(const scene::Scene& scene, const std::string& text,
                            const std::filesystem::path& out) {
   const std::filesystem::path echo = out / "scene.toml";
@@ -48,9 +48,8 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text,
   for (int dim : {2, 3})
     if (scene::echo(written, dim) == text)
       return;
-  throw UserError(
-      fmt::format("--out: found the scene itself, {}, which the run would replace, allowed is another folder",
-                  echo.string()));
+  throw UserError(fmt::format("--out: the run would replace its own scene file, {}; choose another folder",
+                              echo.string()));
 }
 
 /// Throws UserError if the run would replace the control that it starts from.
@@ -58,29 +57,27 @@ void require_not_the_guess(const scene::Scene& scene, const std::filesystem::pat
   std::error_code none;
   if (scene.control && scene.control->stored &&
       std::filesystem::equivalent(scene.control->stored->folder, out, none))
-    throw UserError(
-        fmt::format("--out: found the folder of control.initial.run, {}, whose control this run would "
-                    "replace, allowed is another",
-                    out.string()));
+    throw UserError(fmt::format("--out: {} is the folder of control.initial.run, whose control this run "
+                                "would replace; choose another folder",
+                                out.string()));
 }
 
-/// Sizes are chosen for an ordered accuracy alone. Throws UserError.
+/// Throws UserError unless mesh.size = "auto" is used with --accuracy and without unknowns.
 void require_size(const scene::Scene& scene, const Request& request) {
   if (scene.mesh.automatic() && !scene.unknowns.empty())
-    throw UserError(
-        "mesh.size: found \"auto\" with tables [[unknown]], allowed without, with --accuracy; else "
-        "a size in m, such as --set mesh.size=0.1");
+    throw UserError("mesh.size: \"auto\" cannot be combined with [[unknown]]; give a size in m, such as "
+                    "--set mesh.size=0.1");
   if (scene.mesh.automatic() && !request.accuracy)
-    throw UserError(fmt::format("mesh.size: found \"auto\" with {}, allowed with --accuracy; else a "
-                                "size in m, such as --set mesh.size=0.1",
-                                request.verb));
+    throw UserError(fmt::format(
+        "mesh.size: {} takes \"auto\" with --accuracy alone; give a size in m, such as --set mesh.size=0.1",
+        request.verb));
 }
 
-/// Nothing tells the error of a fit's misfit. Throws UserError.
+/// Refuses --accuracy and --budget for fits: no error estimate of their misfit exists. Throws UserError.
 void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request) {
   if (request.verb == "optimize" && !scene.unknowns.empty() && (request.accuracy || request.study.budget))
-    throw UserError(fmt::format("{}: found with tables [[unknown]], allowed without; "
-                                "optimizer.tolerance and optimizer.max_iterations end a fit",
+    throw UserError(fmt::format("{}: has no effect on a fit, with tables [[unknown]]; set "
+                                "optimizer.tolerance or optimizer.max_iterations",
                                 request.accuracy ? "--accuracy" : "--budget"));
 }
 

@@ -5,7 +5,7 @@
 namespace signorini::app {
 namespace {
 
-/// The folder of the run whose echo a scene is, beside that run's manifest; empty for other scenes.
+/// Folder of the run that wrote the scene file as its echo, beside its manifest; empty for other scenes.
 std::string folder_of_echo(const std::filesystem::path& file) {
   const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal(),
                               folder = absolute.parent_path();
@@ -23,7 +23,7 @@ SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
   on_root(comm, [&] { text = scene::read(file); });
   text = broadcast(comm, text);
   const auto open =
-      [comm](const std::filesystem::path& series) { // every rank asks for the same, in the same order
+      [comm](const std::filesystem::path& series) { // every rank reads the same, in the same order
         std::string content;
         on_root(comm, [&] { content = scene::read_file(series); });
         return broadcast(comm, content);

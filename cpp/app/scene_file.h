@@ -12,7 +12,7 @@ namespace signorini::app {
 struct SceneFile {
   scene::Scene scene;
   std::string text;
-  std::filesystem::path home; ///< the folder of the run whose echo the file is; empty for other scenes
+  std::filesystem::path home; ///< folder of the run that wrote the file as its echo; empty for other scenes
 };
 
 /// Reads a scene, on rank 0 for all: ranks with different scenes would deadlock. `overrides`:

@@ -14,7 +14,7 @@
 namespace signorini::app {
 namespace {
 
-/// What runs the script of a verb.
+/// File name of the Python program that runs the script of a verb.
 constexpr char launcher[] = "verb.py";
 
 struct Launcher {
@@ -22,7 +22,7 @@ struct Launcher {
   bool installed;
 };
 
-/// Throws UserError.
+/// Finds the launcher in the build or in the installation. Throws UserError.
 Launcher find_launcher(const char* verb) {
   const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
   std::string tried;
@@ -46,7 +46,7 @@ const std::vector<ScriptVerb>& script_verbs() {
        {"--threads", "--quiet"}},
       {"figures", "all figures of a run", {"--time", "--threads", "--quiet"}},
       {"plot",
-       "the convergence of an optimization or a fit, drawn again and again while it goes on",
+       "the convergence of an optimization or a fit, redrawn while it runs",
        {"--every", "--threads", "--quiet"}}};
   return verbs;
 }
@@ -59,12 +59,12 @@ void become_script(std::span<char* const> words) {
   const Launcher found = find_launcher(words.front());
   std::string python = "python3", leave = "-B", file = found.file.string();
   std::vector<char*> arguments{python.data()};
-  if (found.installed) // nothing is to be left there that the package does not know
+  if (found.installed) // leaves no compiled files there, which the package does not list
     arguments.push_back(leave.data());
   arguments.push_back(file.data());
   arguments.insert(arguments.end(), words.begin(), words.end());
   execvp(python.c_str(), arguments.data());
-  throw UserError(fmt::format("{}: found no python3 that runs its scripts ({}), allowed is one on PATH",
+  throw UserError(fmt::format("{}: no python3 on PATH can run its scripts ({}); put one there that can",
                               words.front(), std::generic_category().message(errno)));
 }
 

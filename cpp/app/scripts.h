@@ -6,7 +6,7 @@
 
 namespace signorini::app {
 
-/// A verb that a script of postprocess/ does, with its options.
+/// A verb that runs a script of postprocess/, with its options.
 struct ScriptVerb {
   const char *name, *text;
   std::vector<const char*> options;
@@ -14,12 +14,12 @@ struct ScriptVerb {
 
 const std::vector<ScriptVerb>& script_verbs();
 
-/// Whether the word is one of them.
+/// Whether the word is a verb of a script.
 bool is_script_verb(std::string_view word);
 
-/// Becomes python3 with the script of the verb words[0] and all other words as its arguments, ended by a null
-/// pointer; what is printed and returned then is the script's. To be called before MPI starts, which does not
-/// bear it afterwards. Returns only if it fails, by throwing UserError.
+/// Replaces this process by python3 with the script of the verb words[0]; its arguments are all other words,
+/// ended by a null pointer. Output and exit status are the script's. Call it before MPI starts, which does
+/// not support it afterwards. Throws UserError if it fails.
 [[noreturn]] void become_script(std::span<char* const> words);
 
 } // namespace signorini::app

@@ -28,7 +28,7 @@ inline int ranks(MPI_Comm comm) {
   return size;
 }
 
-/// Bytes that one message may have: MPI counts in int.
+/// Largest size of one message, bytes: MPI counts in int.
 constexpr std::size_t largest_message = std::numeric_limits<int>::max();
 
 /// Overwrites `bytes` (the same number on every rank) with those of rank `root`, in messages of at most
@@ -49,8 +49,8 @@ Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0, std::size_t lar
   return values;
 }
 
-/// Returns the entries of all ranks, in the order of the ranks, on every rank: by one exchange, or if they
-/// have more than `largest` bytes together, from rank to rank in messages of at most that. Collective.
+/// Returns the entries of all ranks, in the order of the ranks, on every rank. Uses one exchange for up to
+/// `largest` bytes in total, else messages of at most that size from rank to rank. Collective.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t largest = largest_message) {
   const auto number = static_cast<std::size_t>(ranks(comm));
@@ -72,8 +72,8 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t lar
   return all;
 }
 
-/// Runs `work` on rank 0; a Failure there, or an OutputFailure, is thrown on every rank, so that no rank is
-/// left waiting. Collective.
+/// Runs `work` on rank 0; a Failure there, or an OutputFailure, is thrown on every rank, so that no rank
+/// blocks. Collective.
 template <class Failure = UserError, class Work>
 void on_root(MPI_Comm comm, Work&& work) {
   if (ranks(comm) == 1) { // avoids the allocations of a broadcast
@@ -81,7 +81,7 @@ void on_root(MPI_Comm comm, Work&& work) {
     return;
   }
   constexpr char of_output = 'o', other = 'f';
-  std::string problem; // behind its kind
+  std::string problem; // preceded by its kind
   if (rank(comm) == 0) {
     try {
       work();

@@ -8,7 +8,7 @@
 
 namespace signorini {
 
-/// 64-bit hash (FNV-1a) of pieces and their lengths, to tell contents apart; not safe against contents that
+/// 64-bit hash (FNV-1a) of texts and their lengths, to distinguish contents; not safe against contents that
 /// were made to collide.
 class Digest {
 public:

@@ -25,8 +25,8 @@
 #include <dolfinx/io/xdmf_utils.h>
 #endif
 
-/// Calls that dolfinx 0.9, 0.10 and 0.11 want made in different ways. Templates, because of an `if constexpr`
-/// the branch that a version does not know must not be compiled.
+/// Calls that differ between dolfinx 0.9, 0.10 and 0.11. They are templates: a branch of
+/// `if constexpr` that a version lacks must not be compiled.
 namespace signorini::dolfinx_versions {
 
 /// The one coordinate element of all cells.
@@ -47,7 +47,7 @@ auto cell_nodes(const Geometry& geometry) {
     return geometry.dofmaps().front();
 }
 
-/// The vertices of a straight cell, by their number: the address of three coordinates.
+/// Returns the vertices of a straight cell as a function of their number: the address of three coordinates.
 template <class Geometry>
 auto vertices(const Geometry& geometry, std::int32_t cell) {
   return [nodes = cell_nodes(geometry), x = geometry.x(), cell](int i) {
@@ -56,7 +56,7 @@ auto vertices(const Geometry& geometry, std::int32_t cell) {
   };
 }
 
-/// The entries of a vector, to be written.
+/// The entries of a vector, writable.
 template <class Vector>
 auto entries(Vector& vector) {
   if constexpr (std::is_assignable_v<decltype(*vector.array().begin()), typename Vector::value_type>) // 0.11
@@ -65,8 +65,8 @@ auto entries(Vector& vector) {
     return vector.mutable_array();
 }
 
-/// Facets or cells of this rank and their values, of a list on any rank (entities × nodes, of the file).
-/// Collective.
+/// Returns the facets or cells of this rank and their values, from lists on any rank (entities × nodes of the
+/// file). Collective.
 template <class Mesh, class Entities>
 auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
                             std::span<const std::int32_t> values) {
@@ -81,13 +81,13 @@ auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
       coordinate_element(geometry).create_dof_layout(), cell_nodes(geometry), dim, entities, values);
 }
 
-/// Whether the number of cells that share a facet has to be told: 0.11.
+/// Whether mesh creation takes the number of cells that share a facet: 0.11.
 template <class Links>
 constexpr bool wants_links =
     requires(Links links) { dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none, links); };
 
-/// Divides a mesh, without ghost cells, among the ranks of `comm` by a graph that those of `dividing` divide;
-/// leaves it as it comes if `divides` is false. Collective.
+/// Creates a mesh without ghost cells, divided among the ranks of `comm` by a graph that the ranks of
+/// `dividing` partition. Without `divides` cells stay where they are given. Collective.
 template <std::floating_point T>
 dolfinx::mesh::Mesh<T> create_mesh(MPI_Comm comm, MPI_Comm dividing, std::span<const std::int64_t> cells,
                                    const dolfinx::fem::CoordinateElement<T>& element, const std::vector<T>& x,

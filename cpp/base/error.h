@@ -12,7 +12,7 @@ constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, in
 }
 
 /// The scene, the mesh, an option or the output folder is wrong: exit status 2.
-/// The text is one sentence: what, where, found, allowed.
+/// The text is one sentence: what is wrong, where, what was found, what to do.
 class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -39,10 +39,10 @@ public:
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// A reason to doubt the results of a run.
+/// A warning about the results of a run.
 struct Warning {
-  std::string name;    ///< of the kind of warning
-  std::string message; ///< with value and place
+  std::string name;    ///< kind of the warning
+  std::string message; ///< sentence with value and place
   double value, limit; ///< the value, and the limit above which there is a warning
 };
 

@@ -55,7 +55,7 @@ inline Hdf5Handle create_hdf5(const std::filesystem::path& file, unsigned mode, 
   return {H5Fcreate(file.c_str(), mode, H5P_DEFAULT, access), H5Fclose};
 }
 
-/// Why a call of HDF5 failed, by errno if that was set since it was cleared.
+/// Reason why a call of HDF5 failed: the text of errno if it was set since it was cleared, else `otherwise`.
 inline std::string hdf5_failure(const std::string& otherwise = "HDF5 failed") {
   return errno != 0 ? std::generic_category().message(errno) : otherwise;
 }
@@ -71,7 +71,7 @@ hid_t native_type() {
     return H5T_NATIVE_INT64;
 }
 
-/// Reads all of a dataset, row by row, into a vector or a text. False if that fails.
+/// Reads all of a dataset, row by row, into a vector or a text. Returns false if that fails.
 template <class Sequence>
 bool read_whole(hid_t dataset, Sequence& values) {
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
@@ -83,7 +83,7 @@ bool read_whole(hid_t dataset, Sequence& values) {
                                    H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// The part of a table that is its row, and the numbers in memory; the first is invalid if there is no such
+/// Data spaces of a row in a table and of its numbers in memory; the first is invalid if there is no such
 /// row.
 inline std::array<Hdf5Handle, 2> row_spaces(hid_t table, std::size_t row, hsize_t columns) {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
@@ -93,19 +93,19 @@ inline std::array<Hdf5Handle, 2> row_spaces(hid_t table, std::size_t row, hsize_
   return {std::move(space), Hdf5Handle(H5Screate_simple(1, &columns, nullptr), H5Sclose)};
 }
 
-/// Reads a row of a table. False if that fails.
+/// Reads a row of a table. Returns false if that fails.
 inline bool read_row(hid_t table, std::size_t row, std::span<double> values) {
   const auto [in_file, in_memory] = row_spaces(table, row, values.size());
   return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// Writes a row of a table. False if that fails.
+/// Writes a row of a table. Returns false if that fails.
 inline bool write_row(hid_t table, std::size_t row, std::span<const double> values) {
   const auto [in_file, in_memory] = row_spaces(table, row, values.size());
   return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// Properties of datasets that two equal runs write with equal bytes.
+/// Creates properties of datasets that two equal runs write with equal bytes.
 inline Hdf5Handle plain_layout() {
   Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
@@ -117,7 +117,7 @@ inline Hdf5Handle make_group(hid_t place, const char* name) {
   return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
-/// Writes a dataset of doubles or integers, `layout` of its properties. False if that fails.
+/// Writes a dataset of doubles or integers with the properties `layout`. Returns false if that fails.
 template <class T>
 bool write_whole(hid_t place, const char* name, const std::vector<hsize_t>& shape, const T* values,
                  hid_t layout) {

@@ -36,7 +36,7 @@ void use_threads(MPI_Comm comm, std::optional<int> asked) {
 int threads() { return omp_get_max_threads(); }
 
 double peak_memory() {
-  // That of getrusage would be at least what the program held that started this one, such as a notebook.
+  // getrusage() would include the peak of the program that started this one, such as a notebook.
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
     if (double kib = 0; std::sscanf(line.c_str(), "VmHWM: %lf kB", &kib) == 1)

@@ -5,9 +5,8 @@
 
 namespace signorini {
 
-/// Sets on how many threads this rank works from now on (OpenMP's default): as many as asked for, else as
-/// OMP_NUM_THREADS says, else as many as the ranks on this machine leave each other of the cores that they
-/// may use, one at least. Collective on `comm`.
+/// Sets the number of threads of this rank (OpenMP's default): `asked`, else OMP_NUM_THREADS, else its share
+/// of the cores that the ranks on this machine may use, one at least. Collective on `comm`.
 void use_threads(MPI_Comm comm, std::optional<int> asked);
 
 /// The number of threads in use.
@@ -16,7 +15,7 @@ int threads();
 /// Peak resident memory of this process since its start or the last forget_peak_memory(), bytes.
 double peak_memory();
 
-/// Resident memory of this process now, bytes; 0 where the system does not tell (Linux does).
+/// Resident memory of this process now, bytes; 0 where the system does not report it (Linux does).
 double resident_memory();
 
 /// Resets the peak to the present resident memory where the system allows it (Linux); first returns free heap

@@ -53,7 +53,7 @@ Vector copy(Vec x) {
 }
 
 void combine(Vec out, double a, Vec x, double b, Vec y) {
-  // With a = 1 VecAXPBYPCZ() adds 0 times what it overwrites: nan where a sweep failed.
+  // With a = 1 VecAXPBYPCZ() adds 0 times the old values of `out`: nan where a sweep failed.
   if (a == 1)
     check(VecWAXPY(out, b, y, x));
   else

@@ -30,7 +30,7 @@ public:
 
   operator T() const { return object_; }
 
-  /// Address for a PETSc function that creates an object; destroys the object held before.
+  /// Address for a PETSc function that creates an object; destroys the object owned before.
   T* put() {
     destroy(&object_);
     return &object_;
@@ -57,7 +57,7 @@ Vector copy(Vec x);
 /// A zero vector x of the layout for products matrix x (the columns'). Collective.
 Vector vector_of(Mat matrix);
 
-/// out = a x + b y, whatever `out` held, which is neither x nor y. Collective.
+/// Sets out = a x + b y, whatever its values; `out` is neither x nor y. Collective.
 void combine(Vec out, double a, Vec x, double b, Vec y);
 
 /// A series of vectors, one per time step.
@@ -134,14 +134,13 @@ double bytes(Mat matrix);
 /// x·y. Collective.
 double dot(Vec x, Vec y);
 
-/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖. Where the terms cancel, so much of their
-/// rounding stays.
+/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖, which scales the rounding where terms cancel.
 struct Pairing {
   double value = 0, size = 0;
 
-  /// Collective.
+  /// Adds x·y. Collective.
   void add(Vec x, Vec y);
-  /// How far `other`, computed in another way, is from the value, in units of the size.
+  /// Distance of `other`, the same sum computed differently, from the value, in units of the size.
   [[nodiscard]] double defect(double other) const;
 };
 

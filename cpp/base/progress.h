@@ -8,7 +8,7 @@
 
 namespace signorini {
 
-/// Writes text at once. What nobody reads any more, as behind `| head`, is lost without a word.
+/// Writes text at once. Output to a closed pipe is discarded.
 void print_text(std::FILE* stream, std::string_view text);
 
 /// Console output of a run: only rank 0 writes, and only if the run is not quiet.

@@ -7,11 +7,11 @@
 namespace signorini {
 
 /// Table of numbers on disk, private to this process: an HDF5 file that is unlinked once it is open, so that
-/// it is gone when the process ends, however it ends. It is in $TMPDIR, else in /var/tmp, since /tmp may be
-/// held in memory. Not collective.
+/// it is removed however the process ends. It is in $TMPDIR, else in /var/tmp, since /tmp may be in memory.
+/// Not collective.
 class ScratchFile {
 public:
-  /// An empty table (rows × columns). Throws WriteFailure.
+  /// Creates an empty table (rows × columns). Throws WriteFailure.
   ScratchFile(std::size_t rows, std::size_t columns);
 
   /// Writes one row (columns). Throws WriteFailure, for example if the disk is full.
@@ -29,7 +29,7 @@ private:
 };
 
 /// Throws UserError if the folder of TMPDIR, TEMP or TMP is missing and cannot be made, or cannot be written:
-/// Open MPI crashes there. To be called before MPI starts.
+/// Open MPI crashes there. Call it before MPI starts.
 void require_temporary_folder();
 
 } // namespace signorini

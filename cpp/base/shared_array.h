@@ -9,11 +9,11 @@
 namespace signorini {
 
 /// An array whose copies share the values until one of them is written, so that copies cost nothing. A span
-/// for writing is good until the array is next copied. Not for writing from several threads.
+/// for writing is valid until the array is next copied. Not for writing from several threads.
 template <class T>
 class SharedArray {
 public:
-  /// Without values.
+  /// Creates an empty array.
   SharedArray() : SharedArray(std::vector<T>()) {}
   explicit SharedArray(std::vector<T> values)
       : values_(std::make_shared<std::vector<T>>(std::move(values))) {}

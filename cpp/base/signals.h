@@ -5,8 +5,8 @@
 
 namespace signorini {
 
-/// From now on SIGINT, SIGTERM and SIGUSR1 ask the run to stop at the next safe point instead of ending the
-/// process; the same signal a second time ends it at once. Use SIGUSR1 with mpirun, which forwards it to its
+/// Makes SIGINT, SIGTERM and SIGUSR1 request a stop of the run at the next safe point instead of ending the
+/// process. The same signal a second time ends it at once. Use SIGUSR1 with mpirun, which forwards it to its
 /// ranks; at the others mpirun kills them.
 void catch_stop_signals();
 
@@ -29,19 +29,19 @@ private:
 /// Requests a stop, as the signals do.
 void request_stop();
 
-/// From now on a pipe that nobody reads any more fails writes to it instead of ending the process.
+/// Makes writes to a closed pipe fail instead of ending the process.
 void ignore_broken_pipes();
 
-/// From `seconds` on (s, above 0) the run is asked to stop, too. Needs catch_stop_signals().
+/// Requests a stop of the run `seconds` from now (s, above 0).
 void stop_after(double seconds);
-/// Whether that has come about on any rank. Collective.
+/// Whether the time of stop_after() is over on any rank. Collective.
 bool time_is_up(MPI_Comm comm);
-/// Takes that back, and a stop that it has asked for.
+/// Cancels stop_after(), and the stop that it has requested.
 void forget_deadline();
 
-/// Whether this process was asked to stop.
+/// Whether a stop of this process was requested.
 bool stop_requested();
-/// Whether any rank was. Collective.
+/// Whether a stop was requested on any rank. Collective.
 bool stop_requested(MPI_Comm comm);
 
 } // namespace signorini

@@ -41,9 +41,9 @@ namespace {
   throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
-/// All that comes until the other end is closed; nothing if a stop was requested meanwhile.
+/// Reads until the other end is closed; returns nothing if a stop was requested meanwhile.
 std::optional<std::string> read_all(int file) {
-  constexpr int look = 100; // ms, from one look for such a request to the next
+  constexpr int look = 100; // ms between two checks for such a request
   std::string text;
   std::array<char, 1 << 16> part{};
   while (!stop_requested()) {
@@ -61,7 +61,7 @@ std::optional<std::string> read_all(int file) {
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
-/// A file without a name: a process that ends before it has read a pipe would break that.
+/// Writes a request to a file without a name. A pipe would break if the process ended before it has read all.
 File request_file(const std::string& request) {
   File file(std::tmpfile(), &std::fclose);
   if (!file || !write_all(fileno(file.get()), request) || lseek(fileno(file.get()), 0, SEEK_SET) != 0)
@@ -69,14 +69,14 @@ File request_file(const std::string& request) {
   return file;
 }
 
-/// Starts a program in a group of its own, which ends as a whole, with nothing of this process but the
+/// Starts a program in a process group of its own, which can be killed as a whole. It inherits only the
 /// request and one end of a pipe.
 pid_t start(const std::filesystem::path& program, int request, int answer, unsigned seconds) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, request, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files, answer, answer_file);
-  // What libraries print, and the C library when it detects a corrupt heap.
+  // Discards the output of libraries, and of the C library when it detects a corrupt heap.
   for (const int file : {STDOUT_FILENO, STDERR_FILENO})
     posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_WRONLY, 0);
   posix_spawnattr_t attributes;
@@ -135,7 +135,7 @@ std::filesystem::path own_folder() {
   Dl_info code{};
   std::error_code missing;
   std::filesystem::path file;
-  // Of a program the loader knows what it was called by, which may be a name found on PATH.
+  // For a program the loader returns the name by which it was called, which may be one found on PATH.
   if (dladdr(reinterpret_cast<const void*>(&own_folder), &code) != 0 && code.dli_fname)
     file = code.dli_fname;
   if (!file.has_parent_path())
@@ -151,7 +151,7 @@ std::filesystem::path find_program(const std::string& name) {
   std::vector<std::filesystem::path> places{folder, folder / "../..", folder / "../libexec/signorini",
                                             folder / "../../../../libexec/signorini",
                                             std::filesystem::path(version::libexec) / "signorini"};
-  // A program of somebody else's that the library is linked into may be anywhere.
+  // A program into which others link the library may be anywhere.
   if (const char* path = std::getenv("PATH"))
     for (const auto part : std::views::split(std::string_view(path), ':'))
       if (const std::string_view at(part.begin(), part.end()); at.starts_with('/'))

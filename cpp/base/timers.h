@@ -40,8 +40,8 @@ private:
   Scope* running_ = nullptr;
 };
 
-/// Returns the counter `name` of this process, zero at first; run.json lists them, to show that a scene costs
-/// nothing that it does not ask for. The reference stays valid: take it once before a loop, so that counting
+/// Returns the counter `name` of this process, zero at first. run.json lists the counters, to show that an
+/// effect that is off costs nothing. The reference stays valid: take it once before a loop, so that counting
 /// costs an increment. Not collective.
 long& count(const std::string& name);
 

@@ -35,8 +35,8 @@ HalfSolve half_solve_by_columns(Vec layout, int rows) {
   return made;
 }
 
-/// y = D⁻¹ (r − Hλ) from the solution for the multipliers half_solve.reference, by columns of D⁻¹H; by
-/// another solve, from the guess y, where one of them is not stored.
+/// Computes y = D⁻¹ (r − Hλ) from the solution for the multipliers half_solve.reference, by columns of D⁻¹H.
+/// If one of them is not stored, takes another solve, from the guess y.
 void finish_by_columns(const ConstraintRows& rows, const petsc::Series& stored, const LinearSolver& D,
                        HalfSolve& half_solve, std::span<const double> lambda, Vec y) {
   std::vector<double>& weights = half_solve.weights;

@@ -7,14 +7,14 @@
 
 namespace signorini::contact {
 
-/// The first half of a solve with D for a right-hand side r (Condensation::predict()), from which the second
-/// half goes on, any number of times. Which vectors are there depends on the condensation.
+/// First half of a solve with D for a right-hand side r (Condensation::predict()); the second half continues
+/// from it, any number of times. The condensation determines which vectors are allocated.
 struct HalfSolve {
-  std::vector<double> z;         ///< L⁻¹Pr, by trailing block (n)
-  petsc::Vector r, y;            ///< r and D⁻¹r, by columns of D⁻¹H
-  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns: zero but on demand
+  std::vector<double> z;         ///< L⁻¹Pr (n); TrailingBlockCondensation only
+  petsc::Vector r, y;            ///< r and D⁻¹r; condensations with columns of D⁻¹H
+  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ); nonzero in ColumnsOnDemand only
   // Scratch of either half.
-  std::vector<double> trailing_block; ///< by trailing block (c)
+  std::vector<double> trailing_block; ///< values at the trailing block's dofs (c)
   std::vector<double> weights;
   std::vector<Vec> columns;
   petsc::Vector forces;
@@ -40,16 +40,16 @@ public:
   /// Collective. Throws SolverFailure.
   virtual void predict(Vec r, const Guess& guess, HalfSolve& half_solve, std::span<double> motion) const = 0;
 
-  /// Second half: y = D⁻¹ (r − Hλ), with a guess on entry; may be repeated with other λ. Of `half_solve` only
-  /// scratch changes.
+  /// Second half: y = D⁻¹ (r − Hλ), with a guess on entry; may be repeated with other λ. Changes only the
+  /// scratch of `half_solve`.
   /// Collective. Throws SolverFailure.
   virtual void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const = 0;
 
-  /// Whether all columns of S = Hᵀ D⁻¹ H are known. If not, column() is for rows that were prepared.
+  /// Whether all columns of S = Hᵀ D⁻¹ H are known. If not, prepare() must precede column().
   [[nodiscard]] virtual bool complete() const = 0;
   /// Computes columns of S that are not known yet. Collective. Throws SolverFailure.
   virtual void prepare(std::span<const int> rows) const = 0;
-  /// S_·row, the same on every rank.
+  /// Column S_·row, the same on every rank.
   [[nodiscard]] virtual std::span<const double> column(int row) const = 0;
 
   /// Memory beyond that of D's factor on all ranks, bytes. Collective.
@@ -73,7 +73,7 @@ protected:
 };
 
 /// Uses a Cholesky factor with the candidates last in the elimination order: contact involves only the last
-/// diagonal block of the factor (its trailing block), and a step with contact takes one solve, as one
+/// diagonal block of the factor (its trailing block), and a step takes one solve, with contact or
 /// without.
 class TrailingBlockCondensation final : public WholeCondensation {
 public:
@@ -87,15 +87,15 @@ public:
   [[nodiscard]] double bytes() const override;
 
 private:
-  /// S from the trailing block.
+  /// Computes S from the trailing block.
   void condense();
 
   const SparseCholesky& D_;
   std::vector<double> L_; ///< trailing block of the factor (c × c)
 };
 
-/// Works on any number of ranks. The columns of D⁻¹H, solved for in blocks, are stored if they fit into
-/// `memory` (bytes, on all ranks); if not, a step with contact takes a second solve.
+/// Condensation by the columns of D⁻¹H, on any number of ranks. They are solved for in blocks, and stored if
+/// they fit into `memory` (bytes, on all ranks); if not, a step with contact takes a second solve.
 class StoredColumnsCondensation final : public WholeCondensation {
 public:
   /// Solves with D for each candidate; `layout` is a vector of V. Collective. The references must outlive
@@ -110,26 +110,26 @@ public:
 private:
   const MumpsSolver& D_;
   petsc::Vector layout_;
-  petsc::Series columns_; ///< D⁻¹H, all null where they do not fit
+  petsc::Series columns_; ///< columns of D⁻¹H, all null if they do not fit
 };
 
 /// Condensation by conjugate gradients, on any number of ranks. A row of H costs one solve when it first
-/// closes; its column of S is kept for as long as D, and that of D⁻¹H while `memory` (bytes, on all ranks)
-/// lasts. A step with contact then takes one solve, or two where a column is not kept.
+/// closes. Its column of S is kept for as long as D, its column of D⁻¹H if it fits into `memory` (bytes, on
+/// all ranks). A step with contact then takes one solve, or two if a column is not kept.
 class ColumnsOnDemand final : public Condensation {
 public:
   /// `matrix` is D. Collective. The references must outlive this object.
   ColumnsOnDemand(const ConstraintRows& rows, const ConjugateGradients& D, Mat matrix, double memory);
 
   [[nodiscard]] HalfSolve half_solve() const override;
-  /// Solves D y = r − Hρ from the guess, for the multipliers ρ that it has on its active groups.
+  /// Solves D y = r − Hρ from the guess, with the guess's multipliers ρ on its active groups.
   void predict(Vec r, const Guess& guess, HalfSolve& half_solve, std::span<double> motion) const override;
   void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] bool complete() const override { return false; }
   /// Throws Interrupted, SolverFailure.
   void prepare(std::span<const int> rows) const override;
   [[nodiscard]] std::span<const double> column(int row) const override { return S_[row]; }
-  /// Of the columns so far.
+  /// Memory of the columns computed so far, on all ranks, bytes.
   [[nodiscard]] double bytes() const override;
 
 private:
@@ -137,11 +137,11 @@ private:
   const ConjugateGradients& D_;
   Mat matrix_;
   double memory_;
-  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
-  // Which rows close is known only in the steps, and each is solved for once.
-  mutable std::vector<std::vector<double>> S_; ///< columns, empty where not known yet
-  mutable petsc::Series columns_;              ///< of D⁻¹H, null where not known or not kept
-  mutable double kept_ = 0;                    ///< bytes of these
+  petsc::Vector diagonal_; ///< diagonal of D if components of candidates' nodes are clamped, else null
+  // Rows that close become known only in the steps; each is solved for once.
+  mutable std::vector<std::vector<double>> S_; ///< columns of S, empty where not known yet
+  mutable petsc::Series columns_;              ///< columns of D⁻¹H, null where not known or not kept
+  mutable double kept_ = 0;                    ///< memory of columns_, bytes
 };
 
 } // namespace signorini::contact

@@ -12,15 +12,15 @@ namespace signorini::contact {
 enum class Status : std::uint8_t {
   open,   ///< g > 0
   weak,   ///< W: g = 0 and λ = 0
-  strong, ///< S: g = 0 and λ > 0; where it depends on others of its node, their λ counts too
+  strong, ///< S: g = 0 and λ > 0, its own or, if linearly dependent, that of others of its node
 };
 
-/// The status as tables have it.
+/// Name of a status in tables.
 [[nodiscard]] constexpr const char* name(Status status) {
   return status == Status::open ? "open" : status == Status::weak ? "weak" : "strong";
 }
 
-/// The largest penetration allowed of a body of a diameter, m.
+/// Largest penetration allowed for a body of the given diameter, m.
 [[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
 
 /// Numbers of the candidates in contact, ascending.
@@ -33,12 +33,12 @@ struct LawEquation {
   std::array<double, 3> c{};
 };
 
-/// Contact of a step as its derivative and the next step depend on it, the same on every rank. It grows with
-/// the number of candidates in contact, not with m.
+/// Contact data of a step on which its derivative and the next step depend, the same on every rank. Its size
+/// grows with the number of candidates in contact, not with m.
 struct ContactLinearisation {
   ActiveSet active;           ///< A = S ∪ W
-  std::vector<double> forces; ///< ρ of these groups' rows, τ²/2 times the nodal contact forces
-  /// The linearised laws of these; empty if all laws are symmetric, λ free and g = 0.
+  std::vector<double> forces; ///< ρ of the active groups' rows, τ²/2 times the nodal contact forces
+  /// Linearised laws of the active groups; empty if all laws are symmetric (λ free, g = 0).
   std::vector<LawEquation> equations;
   ActiveSet weak{};      ///< W
   ActiveSet predictor{}; ///< Z: candidates that the projected predictor touches; contact-stabilized only
@@ -46,15 +46,15 @@ struct ContactLinearisation {
 
 /// Contact after one step.
 struct ContactState : ContactLinearisation {
-  std::vector<double> lambda; ///< ρ of the rows of constraints, of which the first m are the normals
-  std::vector<double> gap;    ///< U of these rows, m
-  std::vector<Status> status; ///< of candidates
-  int vi_iterations = 0; ///< (primal-dual) Newton steps that found the active set; 0 if it was right at once
+  std::vector<double> lambda; ///< ρ of all constraint rows; the first m rows are the normals
+  std::vector<double> gap;    ///< U of all constraint rows, m
+  std::vector<Status> status; ///< status of each candidate
+  int vi_iterations = 0; ///< (primal-dual) Newton steps to find the active set; 0 if the first one was right
 
-  /// All m candidates open, with one row each. Reserves room for every active set, so that steps do not
+  /// Sets all m candidates open, with one row each. Reserves room for every active set, so that steps do not
   /// allocate.
   explicit ContactState(int m = 0) : ContactState(m, m) {}
-  /// With so many rows in all.
+  /// Sets all m candidates open, with `rows` constraint rows in all.
   ContactState(int m, int rows)
       : lambda(static_cast<std::size_t>(rows)), gap(static_cast<std::size_t>(rows)),
         status(static_cast<std::size_t>(m), Status::open) {
@@ -68,10 +68,10 @@ struct ContactState : ContactLinearisation {
   [[nodiscard]] std::span<const double> normal_lambda() const {
     return std::span(lambda).first(status.size());
   }
-  /// Their gaps g_i, m.
+  /// Gaps g_i of the m candidates, in metres.
   [[nodiscard]] std::span<const double> normal_gap() const { return std::span(gap).first(status.size()); }
 
-  /// What outlives the step.
+  /// The part that outlives the step.
   [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }
 
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }

@@ -138,7 +138,7 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
   solve_active(set, work.b, work);
   for (std::size_t i = 0; i < set.size(); ++i)
     mu[set[i]] = work.b[i];
-  // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
+  // Prescribed motions are data of derivatives, which no energy balance checks: a pass for their last digits
   // would cost half a solve.
   close(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
 }
@@ -152,7 +152,8 @@ void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace
 
 namespace {
 
-/// Visits the rows of a set of groups: visit(place among them, group's equation, k, row c of the group).
+/// Visits the rows of a set of groups: visit(place, group, equation, c) for row c of a group, with the place
+/// of the row among those visited and the equation of the group.
 template <class Visit>
 void for_each_row(const ConstraintRows& rows, const ActiveSet& set, std::span<const LawEquation> equations,
                   Visit&& visit) {

@@ -8,13 +8,13 @@ namespace signorini::contact {
 /// section 5).
 class DelassusOperator {
 public:
-  /// Collective. `rows` must outlive this object.
+  /// Takes the condensation of D to `rows`, which must outlive this object. Collective.
   DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Condensation> condensation);
 
   /// Whether all columns of S are known.
   [[nodiscard]] bool complete() const { return condensation_->complete(); }
-  /// S_·row; of an incomplete S for rows that were prepared, as those of sets are by the solves below. S is
-  /// symmetric, the same on every rank, and singular where candidates are linearly dependent.
+  /// Column S_·row. If S is incomplete the row must be prepared; the solves below prepare the rows of sets. S
+  /// is symmetric, the same on every rank, and singular if candidates are linearly dependent.
   [[nodiscard]] std::span<const double> column(int row) const { return condensation_->column(row); }
   /// Computes columns of an incomplete S. Collective. Throws SolverFailure.
   void prepare(std::span<const int> rows) const { condensation_->prepare(rows); }
@@ -39,8 +39,8 @@ public:
                    HalfSolve& half_solve) const;
 
   /// Solves D y = r − Hλ with g(y) = 0 on an independent `set` and λ = 0 elsewhere, for the r of
-  /// `work.half_solve` and the given ψ (m). `lambda` (m) holds the λ found from the predicted gaps on entry,
-  /// and on return λ refined until the gaps on the set vanish to rounding; `gap` (m) becomes g(y).
+  /// `work.half_solve` and the given ψ (m). On entry `lambda` (m) is the λ found from the predicted gaps, on
+  /// return it is refined until the gaps on the set vanish to rounding; `gap` (m) becomes g(y).
   /// Collective. Throws SolverFailure.
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
                      std::span<double> gap, Vec y, Workspace& work) const;
@@ -50,7 +50,7 @@ public:
   void finish(std::span<const double> psi, std::span<const double> lambda, std::span<double> gap, Vec y,
               Workspace& work) const;
 
-  /// Collective. Throw SolverFailure.
+  /// Solves a linearised step; solve_transposed() solves its transpose. Collective. Both throw SolverFailure.
   void solve_linearised(const LinearisedContact& step, Workspace& work) const;
   void solve_transposed(const LinearisedContact& step, Workspace& work) const;
 
@@ -58,18 +58,18 @@ public:
   [[nodiscard]] double bytes() const;
 
 private:
-  /// solve_active() on this rank alone.
+  /// Does solve_active() on this rank alone.
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
-  /// finish_closed(), returning Hᵀy (m) in `motion` instead of gaps; `digits`: how far these may be off on
-  /// the set, in units of the last place of the largest.
+  /// Does finish_closed(), returning Hᵀy (m) in `motion` instead of gaps. `digits`: error of Hᵀy allowed on
+  /// the set, in units in the last place of the largest.
   void close(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
              std::span<double> motion, Vec y, Workspace& work, double digits) const;
-  /// A linearised step whose laws are not symmetric, or its transpose.
+  /// Solves a linearised step whose laws are not symmetric, or its transpose.
   void solve_by_equations(const LinearisedContact& step, bool transposed, Workspace& work) const;
 
   const ConstraintRows& rows_;
   std::unique_ptr<const Condensation> condensation_;
-  const std::vector<double> zero_; ///< of rows
+  const std::vector<double> zero_; ///< zeros, one per row
 };
 
 } // namespace signorini::contact

@@ -5,7 +5,7 @@
 
 namespace signorini::contact {
 
-/// Row c of a (k × k) matrix of an equation times x, or of its transpose.
+/// Row c of a (k × k) matrix of an equation, or of its transpose, times x.
 [[nodiscard]] inline double times(const std::array<double, 9>& A, std::size_t k, std::size_t c,
                                   const std::array<double, 3>& x, bool transposed = false) {
   double sum = 0;
@@ -14,8 +14,8 @@ namespace signorini::contact {
   return sum;
 }
 
-/// The law between the multipliers ρ and the gaps U of a group of rows: what solvers and derivatives know of
-/// contact. Spans have an entry for each row of the group, the normal one first.
+/// The law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
+/// contact only through it. Spans have an entry for each row of the group, the normal one first.
 class Law {
 public:
   virtual ~Law() = default;
@@ -27,11 +27,11 @@ public:
   /// Whether a group with these gaps needs no multipliers.
   [[nodiscard]] virtual bool open(std::span<const double> U) const = 0;
 
-  /// Whether a row of a symmetric law is closed after a primal-dual step that held it closed, or open, and
-  /// found λ and g.
+  /// Whether a row of a symmetric law is closed after a primal-dual step that found λ and g; `closed`:
+  /// whether it was closed in this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// The equation of a Newton step from (ρ, U), where a multiplier of one changes its gap by `compliance`.
+  /// Sets the equation of a Newton step from (ρ, U), where a unit multiplier changes its gap by `compliance`.
   /// Returns false if the group is open, ρ = 0.
   [[nodiscard]] virtual bool next(std::span<const double> rho, std::span<const double> U, double compliance,
                                   LawEquation& equation) const = 0;
@@ -40,7 +40,7 @@ public:
   [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double force,
                                    double gap) const = 0;
 
-  /// The status of a group that obeys it, where multipliers up to `force` and gaps up to `gap` count as zero.
+  /// Status of a group whose law is satisfied; multipliers up to `force` and gaps up to `gap` count as zero.
   [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
                                       double gap) const = 0;
 
@@ -48,14 +48,14 @@ public:
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho,
                                                std::span<const double> U) const = 0;
 
-  /// Whether a weak row of a symmetric law is closed after a step of the one-sided derivative that held it
-  /// closed, or open, and found δλ and the approach −δg, where multipliers up to `force` and motions up to
-  /// `motion` count as zero.
+  /// Whether a weak row of a symmetric law is closed after a step of the one-sided derivative that found δλ
+  /// and the approach −δg; `closed`: whether it was closed in this step. Multipliers up to `force` and
+  /// motions up to `motion` count as zero.
   [[nodiscard]] virtual bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                                    double motion) const = 0;
 };
 
-/// Contact without friction: 0 ≤ λ ⟂ g ≥ 0 (Hintermüller, Ito, Kunisch 2003), and of weak rows
+/// Contact without friction: 0 ≤ λ ⟂ g ≥ 0 (Hintermüller, Ito, Kunisch 2003), and for weak rows
 /// 0 ≤ δλ ⟂ δg ≥ 0.
 class Unilateral final : public Law {
 public:

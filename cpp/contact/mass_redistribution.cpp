@@ -162,8 +162,8 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
 }
 
 /// Whether each pair's node can touch its obstacle: whether a facet of the boundary there faces it. The nodes
-/// of a plate's upper side never touch a floor, and their mass is where that of the lower side goes. Of nodes
-/// within the body it is not known. Collective.
+/// of a plate's upper side never touch a floor, and receive the mass of the lower side. True for nodes within
+/// the body, where this is unknown. Collective.
 std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
   const auto dim = static_cast<std::size_t>(pairs.dim()), count = static_cast<std::size_t>(pairs.count());
   std::map<PetscInt, const ConstraintRows::Cluster*> in_pairs; // by the first dof
@@ -191,10 +191,10 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
 
 using Block = std::array<double, 9>; // dim × dim, row by row
 
-/// The nodes with constraints against massless obstacles, with the directions of these.
+/// Bases of the constraint directions at the nodes with constraints against massless obstacles.
 using Bases = std::map<PetscInt, RowBasis>;
 
-/// `massless`: of the scene's obstacles. Collective.
+/// Finds the directions in which nodes lose their mass; `massless`: by obstacle of the scene. Collective.
 Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs,
                               const std::vector<bool>& massless) {
   const std::vector<bool> faces = facing(space, pairs);
@@ -297,11 +297,10 @@ petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pa
       const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
       const auto [neighbours, weights] = combination(node, here, bases, place, dim);
       if (weights.empty())
-        throw UserError(
-            fmt::format("contact.mass: found \"massless\" where the node at {} has only contact nodes around "
-                        "it to take its "
-                        "mass; set mesh.degree = 2, a finer mesh, or contact.on = a smaller group",
-                        point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
+        throw UserError(fmt::format(
+            "contact.mass: found \"massless\", but the node at {} has only contact nodes around it to take "
+            "its mass. Set mesh.degree = 2, refine the mesh, or choose a smaller group",
+            point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
       const Block onto = projector(bases.at(node), dim);
       Block block{};
       for (int i = 0; i < dim * dim; ++i)

@@ -56,9 +56,8 @@ Obstacle::Place Obstacle::place(double t) const {
   if (radius_) {
     radius_->evaluate(origin.data(), t, &place.radius);
     if (!(place.radius > 0))
-      throw UserError(
-          fmt::format("{}.radius: found {:.6g} m at t = {:.6g} s, allowed are radii greater than 0", key_,
-                      place.radius, t));
+      throw UserError(fmt::format("{}.radius: found {:.6g} m at t = {:.6g} s; a radius must stay above 0",
+                                  key_, place.radius, t));
   }
   return place;
 }
@@ -79,7 +78,7 @@ Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
     const Point r = from_middle(x, place);
     const double distance = length(r), sign = inside_ ? -1 : 1;
     const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_));
-    const double away = dot(r, drift) / distance; // of the distance
+    const double away = dot(r, drift) / distance; // rate of the distance
     Point turn{};
     for (std::size_t c = 0; c < 3; ++c)
       turn[c] = sign / distance * (drift[c] - away / distance * r[c]);
@@ -139,11 +138,10 @@ std::array<double, 3> Obstacle::from_middle(const double* x, const Place& place)
 Obstacle::Plane Obstacle::round(const double* x, const Place& place) const {
   const Point r = from_middle(x, place);
   const double distance = length(r);
-  if (!(distance > 1e-10 * place.radius)) // nearer to the middle the direction is rounding
-    throw UserError(
-        fmt::format("{}: the node at {} is at the middle, from where no one direction leads out of "
-                    "the obstacle, allowed are nodes off the centre or axis",
-                    key_, point_text(x)));
+  if (!(distance > 1e-10 * place.radius)) // nearer to the middle, rounding determines the direction
+    throw UserError(fmt::format("{}: the node at {} is at the centre or on the axis, where no direction "
+                                "leads out; move the body or the obstacle",
+                                key_, point_text(x)));
   const double sign = inside_ ? -1 : 1;
   return {scaled(sign / distance, r), sign * (distance - place.radius)};
 }
@@ -175,10 +173,9 @@ Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
   const double size = length(gradient);
   // Where the gradient vanishes, one-sided differences are of second order in h, and their sum is rounding.
   if (!(size * h > 1e-6 * largest))
-    throw UserError(fmt::format(
-        "{}.distance: the expression has no slope at the node at {}{}, allowed are expressions that grow "
-        "where they lead out of the obstacle",
-        key_, point_text(x), moves_ ? fmt::format(", t = {:.6g} s", t) : ""));
+    throw UserError(fmt::format("{}.distance: the expression has no slope at the node at {}{}; it must grow "
+                                "outwards from the obstacle",
+                                key_, point_text(x), moves_ ? fmt::format(", t = {:.6g} s", t) : ""));
   return {scaled(1 / size, gradient), value / size};
 }
 

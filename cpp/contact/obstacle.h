@@ -13,61 +13,61 @@ namespace signorini::contact {
 /// obstacle next to the point (docs/method.md section 2).
 class Obstacle {
 public:
-  /// `key` names the obstacle in messages; `dim` and `diameter` (m) are the body's: the spacing of the
-  /// differences of a signed distance is a small part of it. Throws UserError.
+  /// `key` names the obstacle in messages; `dim` and `diameter` (m) are the body's. Differences of a
+  /// signed distance have a spacing of a small part of the diameter. Throws UserError.
   Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter);
 
   /// The half-space for one point.
   struct Plane {
     std::array<double, 3> normal; ///< unit vector out of the obstacle
-    double height;                ///< of the point over the plane, negative inside the obstacle, m
+    double height;                ///< height of the point over the plane, negative inside the obstacle, m
   };
 
-  /// Where and how large the obstacle is at a time.
+  /// Position and size of the obstacle at a time.
   struct Place {
     double t = 0;                  ///< s
-    std::array<double, 3> point{}; ///< of a plane; of a ball its centre, of a cylinder a point of its axis, m
-    double radius = std::numeric_limits<double>::infinity(); ///< of a ball or cylinder, m
+    std::array<double, 3> point{}; ///< point of a plane or of a cylinder's axis, centre of a ball, m
+    double radius = std::numeric_limits<double>::infinity(); ///< radius of a ball or cylinder, m
   };
-  /// At time t. Throws UserError if it is not finite or a radius not positive.
+  /// Position and size at time t. Throws UserError if they are not finite or a radius is not positive.
   [[nodiscard]] Place place(double t) const;
 
-  /// The half-space for the point `x` (3). Throws UserError naming the point where no direction leads out of
-  /// the obstacle, or a signed distance is not finite.
+  /// The half-space for the point `x` (3). Throws UserError naming the point if no direction leads out of
+  /// the obstacle or a signed distance is not finite.
   [[nodiscard]] Plane at(const double* x, const Place& place) const;
-  /// The same at t = 0.
+  /// The half-space for the point `x` (3) at t = 0. Throws as above.
   [[nodiscard]] Plane at(const double* x) const { return at(x, start_); }
 
   /// The derivative of at() by a parameter of a half-space, ball or cylinder.
   [[nodiscard]] Plane derivative(const double* x, const Place& place, const scene::ObstacleRate& rate) const;
 
-  /// A function of the point `x` (3) that is positive outside of the obstacle, negative inside and the
-  /// greater the farther: of a signed distance in its own unit, else the height.
+  /// Level of the point `x` (3): positive outside of the obstacle, negative inside, greater farther out. For
+  /// a signed distance it has the distance's own unit; for other shapes it is the height, m.
   [[nodiscard]] double level(const double* x, const Place& place) const;
 
   /// Whether the obstacle moves.
   [[nodiscard]] bool moves() const { return moves_; }
 
-  /// Whether the body is inside of it, a ball or cylinder.
+  /// Whether the body is inside of the obstacle, a ball or cylinder.
   [[nodiscard]] bool surrounds() const { return inside_; }
 
   /// Whether the surface may be curved, so that points that move along it leave the range of their
   /// half-space. Signed distances count as curved.
   [[nodiscard]] bool curved() const { return !std::holds_alternative<scene::HalfSpace>(shape_); }
 
-  /// Two corners of the box that holds the surface at a place, infinite along a cylinder's axis; absent for
-  /// planes, which no box holds, and for signed distances, of which it is unknown.
+  /// Two corners of the bounding box of the surface at a place, infinite along a cylinder's axis. Absent for
+  /// planes, which have none, and for signed distances, where it is unknown.
   [[nodiscard]] std::optional<std::array<std::array<double, 3>, 2>> extent(const Place& place) const;
 
-  /// Whether the surface at any time is that of another time moved and scaled, as of all but signed
+  /// Whether the surfaces at any two times differ by translation and scaling only; false for signed
   /// distances.
   [[nodiscard]] bool keeps_shape() const { return !distance_; }
 
-  /// Where the point `x` (3) of the surface at one place is at another one; a plane moves along its normal.
-  /// The obstacle must keep its shape.
+  /// Position at the place `after` of the point `x` (3) of the surface at the place `before`. A plane moves
+  /// along its normal. The obstacle must keep its shape.
   [[nodiscard]] std::array<double, 3> carried(const double* x, const Place& before, const Place& after) const;
 
-  /// From the centre or axis to the point `x` (3), m; zero for shapes without one.
+  /// Vector from the centre or axis to the point `x` (3), m; zero for shapes without one.
   [[nodiscard]] std::array<double, 3> from_middle(const double* x, const Place& place) const;
 
 private:
@@ -79,9 +79,9 @@ private:
   std::string key_;
   std::size_t dim_;
   double diameter_;
-  bool moves_, inside_ = false;       ///< the body within a ball or cylinder
+  bool moves_, inside_ = false;       ///< inside_: the body is within a ball or cylinder
   std::array<double, 3> direction_{}; ///< unit vector: a half-space's normal, a cylinder's axis; zero without
-  std::optional<scene::Field> point_, radius_; ///< of the place
+  std::optional<scene::Field> point_, radius_; ///< fields that define the place
   std::optional<scene::Field> distance_;       ///< signed distance
   Place start_;
 };

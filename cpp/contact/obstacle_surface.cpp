@@ -13,13 +13,13 @@
 namespace signorini::contact {
 namespace {
 
-constexpr double much_larger = 2.5; ///< so many times as large as the box
+constexpr double much_larger = 2.5; ///< size relative to the box above which an obstacle is cut
 
 void add_point(ObstacleSurface& surface, std::size_t dim, const Point& x) {
   surface.points.insert(surface.points.end(), x.begin(), x.begin() + static_cast<std::ptrdiff_t>(dim));
 }
 
-/// A plane: a segment or rectangle that reaches as far as the box does.
+/// The surface of a plane: a segment or rectangle across the box.
 ObstacleSurface flat(const Obstacle& obstacle, const Obstacle::Place& place, std::size_t dim,
                      const Box& box) {
   const Point normal = obstacle.at(place.point.data(), place).normal;
@@ -62,7 +62,7 @@ ObstacleSurface flat(const Obstacle& obstacle, const Obstacle::Place& place, std
   return surface;
 }
 
-/// Where a function on a grid, linear in the simplices into which its cubes fall, is zero.
+/// The zero level set of a function on a grid that is linear in the simplices dividing the grid's cubes.
 class Contour {
 public:
   Contour(const Obstacle& obstacle, const Obstacle::Place& place, std::size_t dim, const Box& box, int cells)
@@ -115,7 +115,7 @@ private:
     }
     return x;
   }
-  /// Not a number where the obstacle has no level.
+  /// Level of the obstacle at x; not a number where it has none.
   [[nodiscard]] double level(const Point& x) const {
     try {
       return obstacle_.level(x.data(), place_);
@@ -148,7 +148,7 @@ private:
     add_facet(facet, outwards);
   }
 
-  /// The number of the point between two nodes.
+  /// Number of the surface point between two nodes, which is added if it is new.
   std::int64_t crossing(std::size_t inside, std::size_t outside) {
     const auto [found, isnew] =
         points_.try_emplace({inside, outside}, static_cast<std::int64_t>(points_.size()));
@@ -160,12 +160,12 @@ private:
     return found->second;
   }
 
-  /// A point near the surface moved onto the half-space that is tangent there.
+  /// Moves a point near the surface onto the half-space that is tangent there.
   [[nodiscard]] Point closer(const Point& x) const {
     try {
       const Obstacle::Plane plane = obstacle_.at(x.data(), place_);
       return std::abs(plane.height) < width_ ? along(x, -plane.height, plane.normal) : x;
-    } catch (const UserError&) { // without a normal there
+    } catch (const UserError&) { // no normal there
       return x;
     }
   }
@@ -186,10 +186,10 @@ private:
   const Obstacle::Place& place_;
   std::size_t dim_;
   const Box& box_;
-  double width_ = 0; ///< of a cell, m
+  double width_ = 0; ///< width of a cell, m
   std::array<std::size_t, 3> count_{1, 1, 1};
-  std::vector<double> levels_; ///< of the grid's nodes, the first coordinate changing first
-  std::map<std::pair<std::size_t, std::size_t>, std::int64_t> points_; ///< by the nodes inside and outside
+  std::vector<double> levels_; ///< levels at the grid's nodes, the first coordinate changing first
+  std::map<std::pair<std::size_t, std::size_t>, std::int64_t> points_; ///< numbers by inner, outer node
   ObstacleSurface surface_;
 };
 
@@ -213,7 +213,7 @@ ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& 
   const std::optional<std::array<Point, 2>> extent = obstacle.extent(place);
   bool whole = extent.has_value();
   for (std::size_t c = 0; extent && c < components; ++c) {
-    constexpr double margin = 0.05; // of the radius
+    constexpr double margin = 0.05; // part of the radius
     const double low = (*extent)[0][c] - margin * place.radius,
                  high = (*extent)[1][c] + margin * place.radius;
     if (high - low <= much_larger * box.longest_side()) {

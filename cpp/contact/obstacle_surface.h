@@ -12,11 +12,11 @@ namespace signorini::contact {
 struct Box {
   std::array<double, 3> low{}, high{};
 
-  /// A box that holds nothing yet.
+  /// An empty box, for include() to extend.
   [[nodiscard]] static Box empty(int dim);
   [[nodiscard]] double longest_side() const;
-  /// Extends the box to hold a point, or `other`.
-  void include(const std::array<double, 3>& x) { // of every node at every stored time
+  /// Extends the box to include a point, or `other`.
+  void include(const std::array<double, 3>& x) { // called for every node at every stored time
     for (std::size_t c = 0; c < 3; ++c) {
       low[c] = std::min(low[c], x[c]);
       high[c] = std::max(high[c], x[c]);
@@ -37,7 +37,8 @@ struct ObstacleSurface {
 };
 
 /// The surface at `place` within a box. A ball or cylinder that is not much larger than the box is taken
-/// whole, the latter up to the ends of the box; `cells` along the longest side resolve what is curved.
+/// whole, a cylinder up to the ends of the box. Curved surfaces are resolved by `cells` along the longest
+/// side.
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells);
 

@@ -17,7 +17,7 @@ namespace {
 
 long& made = count("constraints");
 
-/// The components of a node that no clamp holds, one bit each.
+/// The unclamped components of a node, one bit each.
 int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
   int free = 0;
   for (int c = 0; c < dim; ++c)
@@ -30,7 +30,7 @@ std::string shown(const ContactPairs& pairs, int i) {
 }
 
 /// Solves 0 ≤ λ ⟂ g + HᵀHλ ≥ 0 at one cluster with the gaps g: −Hλ moves the node to the closest position
-/// allowed. λ is in work.lambda. False if there is no such position.
+/// allowed. λ is in work.lambda. Returns false if there is no such position.
 [[nodiscard]] bool place(const ContactPairs& pairs, const ConstraintRows::Cluster& node,
                          std::span<const double> gap, ContactPairs::NodeWork& work) {
   const ConstraintRows& rows = pairs.rows();
@@ -63,9 +63,8 @@ void require_room(const ContactPairs& pairs, std::span<const double> psi, double
     for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
       if (node.dependent && !place(pairs, node, psi, work))
         throw UserError(fmt::format(
-            "contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
-            "obstacles between which every node has a place",
-            t, shown(pairs, node.first)));
+            "contact: at t = {:.6g} s the obstacles leave no room for the node at {}; move them apart", t,
+            shown(pairs, node.first)));
   });
 }
 
@@ -132,7 +131,7 @@ ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const 
 }
 
 namespace {
-constexpr int looks = 1000; // at an obstacle that moves, while the lengths of steps are not known
+constexpr int looks = 1000; // samples of an obstacle that moves, if step lengths are automatic
 }
 
 std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNode>& nodes,
@@ -201,10 +200,9 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     std::ranges::sort(dofs);
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (candidates[i] == 0)
-      throw UserError(fmt::format(
-          "{}.on: every node of the group \"{}\" is clamped against the obstacle, allowed is a group "
-          "with nodes that can move towards it",
-          keys_[i], contacts[i].on));
+      throw UserError(fmt::format("{}.on: every node of the group \"{}\" is clamped against the obstacle; "
+                                  "choose a group with nodes that can move towards it",
+                                  keys_[i], contacts[i].on));
   const PetscInt end = space.first_dof() + space.layout().nodes() * dim_;
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
@@ -275,8 +273,8 @@ void place_outside(const ContactPairs& pairs, Vec y) {
         ++all;
         inside += g[i] < -allowed;
       }
-    // A normal that points the wrong way puts bodies deep inside; a face drawn by other digits does not.
-    constexpr double shallow = 1e-3; // of the body
+    // A reversed normal puts bodies deep inside; a face with otherwise rounded coordinates does not.
+    constexpr double shallow = 1e-3; // part of the body's diameter
     const bool slight = -g[deepest] < shallow * pairs.diameter();
     const char* cure =
         slight ? "move it, or set contact.initial = \"project\", which moves such nodes out"
@@ -296,8 +294,7 @@ void place_outside(const ContactPairs& pairs, Vec y) {
         continue;
       if (!place(pairs, here, g, work))
         throw UserError(
-            fmt::format("contact: the obstacles leave no room for the node at {}, allowed are obstacles "
-                        "between which every node has a place",
+            fmt::format("contact: the obstacles leave no room for the node at {}; move them apart",
                         shown(pairs, here.first)));
       std::ranges::copy(work.lambda, &forces[here.first]);
     }

@@ -100,7 +100,7 @@ void Pressure::keep_areas_of_edges() {
 
 void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group,
                          int obstacle) {
-  std::map<std::int64_t, int> candidate; // of each node
+  std::map<std::int64_t, int> candidate; // by node
   for (int j = 0; j < pairs.count(); ++j)
     if (pairs.obstacles()[j] == obstacle)
       candidate[pairs.first_dofs()[j] / space.dim()] = j;

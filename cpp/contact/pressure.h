@@ -9,25 +9,25 @@ namespace signorini::contact {
 /// Pressures of the contact surface from the candidates' nodal forces F_i = ∫ p φ_i (docs/method.md section
 /// 2).
 ///
-/// With degree 1 the pressure at vertex v is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
-/// With degree 2 the integrals ∫ φ_i cannot be divided by: on a triangle they vanish for vertices, whose
-/// forces are rounding and effects of the ends of contact. But hat functions are of degree 2 too, φ¹_v = φ_v
-/// + ½ Σ φ_e over the edges e at v, so that their forces are known exactly: F¹_v = F_v + ½ Σ F_e. The
-/// pressure is F¹_v / ∫ φ¹_v, in the plane and in space: the integrals are positive, forces add up to the
-/// same, none becomes negative, and a uniform pressure is reproduced. The weighted mean is off by O(h²) where
-/// p is smooth, which is the order of the stresses of displacements of degree 2. Between vertices it is
+/// The pressure at vertex v for degree 1 is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
+/// For degree 2 the integrals ∫ φ_i are no divisors: on a triangle they vanish for vertices, whose forces are
+/// rounding and effects of the ends of contact. But hat functions are of degree 2 too, φ¹_v = φ_v + ½ Σ φ_e
+/// over the edges e at v. Their forces are therefore known exactly: F¹_v = F_v + ½ Σ F_e. The pressure is
+/// F¹_v / ∫ φ¹_v, in the plane and in space. The integrals are positive, the sum of the forces is unchanged,
+/// none becomes negative, and a uniform pressure is reproduced. The weighted mean has an error of O(h²) where
+/// p is smooth, the order of the stresses of displacements of degree 2. Between vertices the pressure is
 /// linear.
 class Pressure {
 public:
-  /// Of the pairs of `contacts`. Collective. Throws UserError as ContactPairs does.
+  /// Computes the areas of the pairs of `contacts`. Collective. Throws UserError as ContactPairs does.
   Pressure(const fem::Space& space, const ContactPairs& pairs, const std::vector<scene::Contact>& contacts);
 
   /// The integral of each candidate's hat function over the surface of its obstacle's group (m entries), m in
   /// the plane, m² in space; 0 for candidates in the middle of edges.
   [[nodiscard]] const std::vector<double>& area() const { return area_; }
 
-  /// The pressures p (m entries) of `forces` λ over `impulse`, N/m², positive in compression; at a candidate
-  /// in the middle of an edge the mean of the edge's ends. 0 where no candidate has an area.
+  /// Pressures p (m entries) from `forces` λ divided by `impulse`, N/m², positive in compression. Candidates
+  /// in the middle of an edge have the mean of the edge's ends. 0 where no candidate has an area.
   [[nodiscard]] std::vector<double> operator()(std::span<const double> forces, double impulse) const;
 
 private:
@@ -37,7 +37,7 @@ private:
     std::array<int, 2> ends;
   };
   void add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group, int obstacle);
-  /// Leaves an area to vertices alone, and none where all edges of a vertex are clamped.
+  /// Keeps the areas of vertices alone, and none at a vertex whose edges are all clamped.
   void keep_areas_of_edges();
   /// Converts integrals with functions of degree 2 to those with hat functions, in place.
   void gather_at_vertices(std::vector<double>& values) const;
@@ -46,8 +46,8 @@ private:
   std::vector<double> area_;
 };
 
-/// Values of the candidates (m) as a field at the nodes that this rank owns: that of its candidate, the
-/// largest where a node has several, 0 elsewhere. Not collective.
+/// Values of the candidates (m) as a field at the nodes that this rank owns: the largest of a node's
+/// candidates, 0 at nodes without one. Not collective.
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
                              const std::vector<double>& values);
 

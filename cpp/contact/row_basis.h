@@ -30,22 +30,22 @@ private:
 /// h_j = Σ_k R_jk q_k. Allocates nothing for clusters of one node.
 class RowBasis {
 public:
-  /// Rows count as linearly dependent if orthogonalisation leaves less than this part of one of them: forces
-  /// that distinguish them would be accurate to four digits only.
+  /// Part of a row below which the rest after orthogonalisation counts as zero, and the rows as linearly
+  /// dependent: forces that distinguish them would be accurate to four digits only.
   static constexpr double parallel = 1e-6;
   using Coordinates = SmallArray<double, 3>;
 
-  /// For any cluster of `rows`, which must outlive this object.
+  /// Reserves room for any cluster of `rows`, which must outlive this object.
   explicit RowBasis(const ConstraintRows& rows);
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] int member(std::size_t k) const { return members_[k]; }
   void clear() { size_ = 0; }
 
-  /// Adds a row, of the cluster of the members if there are any. Returns false and adds nothing if it depends
-  /// linearly on these.
+  /// Adds a row, which must be of the members' cluster if there are any. Returns false and adds nothing if it
+  /// depends linearly on the members.
   bool add(int row);
-  /// Puts a row in the place of a member; members that then depend on earlier ones leave.
+  /// Replaces a member by a row, and removes members that then depend on earlier ones.
   void replace(std::size_t k, int row);
   /// q_k·x, x over the cluster's dofs.
   [[nodiscard]] double along(std::size_t k, std::span<const double> x) const;

@@ -9,7 +9,7 @@ namespace {
 
 /// Entries in a block of a level-2 operation, so that the block of the common vector stays in the cache.
 constexpr std::size_t block = 4096;
-/// Blocks read by such an operation, about 3 µs each, from which on it is divided among threads.
+/// Least number of blocks, about 3 µs each, for which such an operation is divided among threads.
 constexpr std::size_t worth_threads = 64;
 
 /// The least power of two above `largest`, or 1 where there is none.
@@ -17,7 +17,7 @@ double power_above(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
 }
 
-/// Where the values of each begin.
+/// Pointers to the values of each control from entry `first` on.
 std::vector<const float*> beginnings(std::span<const CompactControl> x, std::size_t first) {
   std::vector<const float*> all;
   for (const CompactControl& one : x)
@@ -44,7 +44,7 @@ void CompactControl::combine(std::vector<CompactControl>& x,
   const std::size_t n = x.size(), m = factors.size();
   std::vector<double> scales, scaled(n * m); // column by column
   for (std::size_t j = 0; j < m; ++j) {
-    double largest = 0; // of what the values can be
+    double largest = 0; // bound of the combined values
     for (std::size_t i = 0; i < n; ++i)
       largest += std::abs(factors[j][i]) * x[i].scale_;
     scales.push_back(power_above(largest));
@@ -63,7 +63,7 @@ void CompactControl::combine(std::vector<CompactControl>& x,
     const std::size_t first = part * rows, size = std::min(rows, values - first);
     const std::vector<const float*> before = beginnings(x, first);
     std::vector<double> after(size * m);
-    // Not by BLAS: products at the same time share a buffer in builds for one thread, as Debian's.
+    // Not by BLAS: concurrent products share a buffer in builds for one thread, as Debian's.
     for (std::size_t j = 0; j < m; ++j)
       signorini::add(std::span(scaled).subspan(j * n, n), before, std::span(after).subspan(j * size, size));
     for (std::size_t j = 0; j < m; ++j)

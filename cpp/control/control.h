@@ -11,18 +11,18 @@ namespace signorini::control {
 class CompactControl;
 
 /// A control u, constant on intervals of time: the values of this rank in one array, interval by interval
-/// (count × values). Copies share the values until one is changed: a search, its problem and their callers
-/// hold the same controls.
+/// (count × values). Copies share the values until one is changed, since a search, its problem and their
+/// callers store the same controls.
 class Control {
 public:
-  /// The same rounded control.
+  /// Converts a rounded control to double precision.
   explicit Control(const CompactControl& u);
 
-  /// Zero. `size`: values of an interval on this rank.
+  /// Creates a zero control. `size`: number of values of an interval on this rank.
   Control(std::size_t size, int count)
       : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count) {}
 
-  /// Of given values, interval by interval.
+  /// Creates a control from its values, interval by interval.
   Control(std::vector<double> values, int count)
       : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)),
         count_(count) {}
@@ -30,7 +30,7 @@ public:
   /// The values of an interval, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }
   [[nodiscard]] std::span<double> at(int j) { return values().subspan(begin(j), size_); }
-  /// All of them (count × values).
+  /// The values of all intervals (count × values).
   [[nodiscard]] std::span<const double> values() const { return values_.read(); }
   [[nodiscard]] std::span<double> values() { return values_.write(); }
   /// Number of intervals.
@@ -50,20 +50,20 @@ private:
   int count_;
 };
 
-/// A control rounded to single precision, in half of its room: a search stores many, of which it takes
-/// combinations in double precision. The values are those in values() times scale(), a power of two, so that
-/// controls in any units fit. Copies share the values too.
+/// A control rounded to single precision, in half of its memory: a search stores many, and combines them in
+/// double precision. The control is values() times scale(), a power of two, so that controls in any units
+/// fit. Copies share the values too.
 class CompactControl {
 public:
-  /// Of no value.
+  /// Creates a control without values.
   CompactControl() = default;
   explicit CompactControl(const Control& u);
 
-  /// x_j = Σ_i factors_ji x_i (j < factors.size() <= x.size()), in place: the others are removed. One pass
-  /// over all of them, whose results are rounded once.
+  /// Sets x_j = Σ_i factors_ji x_i (j < factors.size() <= x.size()) in place and removes the others. Makes
+  /// one pass over all of them and rounds the results once.
   static void combine(std::vector<CompactControl>& x, const std::vector<std::vector<double>>& factors);
 
-  /// As those of a control (count × values), none larger than one in modulus.
+  /// The control's values over scale() (count × values), none larger than one in modulus.
   [[nodiscard]] std::span<const float> values() const { return values_.read(); }
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] int count() const { return count_; }
@@ -74,7 +74,7 @@ private:
   int count_ = 1;
 };
 
-/// Σ u_i w_j of the values on this rank (u × w), in one pass over the w_j.
+/// Products u_i·w_j of the values on this rank (u × w), in one pass over the w_j.
 std::vector<double> dots(std::span<const Control> u, std::span<const CompactControl> w);
 
 struct CompactVariables;
@@ -85,10 +85,10 @@ struct Variables {
   Control u;
   std::vector<double> x;
 
-  /// Also a control alone.
+  /// Creates variables from a control, with or without parameters.
   Variables(Control control, std::vector<double> parameters = {})
       : u(std::move(control)), x(std::move(parameters)) {}
-  /// Parameters alone.
+  /// Creates variables from parameters, without a control.
   explicit Variables(std::vector<double> parameters) : u(0, 1), x(std::move(parameters)) {}
   explicit Variables(const CompactVariables& compact);
 
@@ -113,15 +113,15 @@ struct CompactVariables {
   CompactVariables() = default;
   explicit CompactVariables(const Variables& v) : u(v.u), x(v.x) {}
 
-  /// As CompactControl::combine().
+  /// Combines variables in place, as CompactControl::combine() does controls.
   static void combine(std::vector<CompactVariables>& v, const std::vector<std::vector<double>>& factors);
 };
 
-/// The controls of a list, which are shared.
+/// Controls of a list of variables, with which they share their values.
 [[nodiscard]] std::vector<CompactControl> controls_of(std::span<const CompactVariables> v);
 
-/// Stores and restores variables in an archive of controls and numbers; anything else as the archive does.
-/// Where there are no `parameters` the entries are those of the control.
+/// Archive adapter that stores and restores variables in an archive of controls and numbers, and passes on
+/// anything else. Without `parameters` the entries are those of the control.
 template <class Archive>
 class VariablesArchive {
 public:

@@ -153,13 +153,13 @@ double ControlSpace::control_bytes() const {
 }
 
 std::pair<int, int> ControlSpace::intervals(double from, double to) const {
-  constexpr double rounding = 1e-9; // of the time between
+  constexpr double rounding = 1e-9; // relative to the time in between
   const double hair = rounding * (to - from);
   return {intervals_.place(from + hair).k, intervals_.place(to - hair).k};
 }
 
 double ControlSpace::variation(const Control& u, double from, double to) const {
-  std::array<double, 2> most{}; // of the intervals: variation, integral
+  std::array<double, 2> most{}; // largest over all values: variation, integral
   for (std::size_t i = 0; i < size_; ++i) {
     double mean = 0, off = 0, whole = 0;
     for_each_interval(from, to, [&](int j, double part) { mean += part * u.at(j)[i]; });
@@ -214,7 +214,7 @@ double ControlSpace::sum(double mine) const {
 }
 
 double ControlSpace::product(const Control& u, const Control& w) const {
-  std::vector<double> image(size_); // of one interval: products are made often, and controls are long
+  std::vector<double> image(size_); // of one interval: products are frequent, and controls are long
   double mine = 0;
   for (int j = 1; j <= u.count(); ++j) {
     mass(w.at(j), image);

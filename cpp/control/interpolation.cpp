@@ -46,7 +46,7 @@ Control Interpolation::operator()(const Control& u) const {
         axpy(part, here, result.at(next));
     }
     if (next > 1)
-      --next; // it may go on in the next interval
+      --next; // it may continue in the next interval
   }
   return result;
 }

@@ -60,14 +60,14 @@ std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const
   const auto [step, part] = grid_.place(t);
   if (!force)
     return {{step - 1, 1 - part}, {step, part}};
-  if (!alternate_) { // forces of steps stand in their middle, and none before the first and after the last
+  if (!alternate_) { // forces belong to the middles of steps; none exist beyond the first and the last
     const int k = std::clamp(part < 0.5 ? step - 1 : step, 1, std::max(1, steps_ - 1)),
               next = std::min(k + 1, steps_);
     const double from = grid_.middle(k), to = grid_.middle(next),
                  weight = next > k ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 0;
     return {{k, 1 - weight}, {next, weight}};
   }
-  // The mean at t_k is of the impulses of the steps k and k + 1; at the end, of the last alone.
+  // The mean at t_k is over the impulses of the steps k and k + 1; at the end, over the last alone.
   std::vector<std::pair<int, double>> weights;
   for (const auto& [k, w] : {std::pair(step - 1, 1 - part), std::pair(step, part)}) {
     const int next = std::min(k + 1, steps_);
@@ -125,7 +125,7 @@ void Measurements::observe(const trajectory::Frame& frame,
 }
 
 std::vector<double> Measurements::values(std::size_t column) const {
-  std::vector<std::vector<double>> sums(channels_.size()); // of forces so far
+  std::vector<std::vector<double>> sums(channels_.size()); // sums of forces so far
   std::vector<double> found;
   for (const Sample& sample : samples_) {
     const std::vector<double>* series = &channels_[sample.channel].values[column];

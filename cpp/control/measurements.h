@@ -11,20 +11,20 @@
 
 namespace signorini::control {
 
-/// What was measured of one quantity: values in SI at ascending times.
+/// Measured values of one quantity, in SI at ascending times.
 struct Data {
-  std::vector<double> times, values, deviations; ///< s; deviations are standard
-  std::vector<scene::TableWarning> warnings{};   ///< about the table that they come from
+  std::vector<double> times, values, deviations; ///< s; values; standard deviations
+  std::vector<scene::TableWarning> warnings{};   ///< warnings about the table of these data
 };
 
 /// The quantities that a scene measures (docs/method.md section 10), along a motion and its derivatives by
-/// the unknowns: displacement and velocity are linear between the ends of steps; the force of step k acts in
-/// its middle, linear between; in contact-implicit steps, whose forces alternate, the mean of two steps acts
-/// at the time between them. Contact times are none of these. All members collective.
+/// the unknowns. Displacement and velocity are linear between the ends of steps. The force of step k acts in
+/// its middle and is linear between; in contact-implicit steps, whose forces alternate, the mean of two steps
+/// acts at the time between them. Contact times are none of these. All members collective.
 class Measurements final : public step::StateDuals, public adjoint::VelocityForceDuals {
 public:
-  /// `times`: for each of the scene's measurements those at which it is wanted, s. `columns`: 1 for the
-  /// motion alone, one more for each derivative. The references must outlive this object. Throws UserError.
+  /// `times`: sample times of each of the scene's measurements, s. `columns`: 1 for the motion alone, one
+  /// more for each derivative. The references must outlive this object. Throws UserError.
   Measurements(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Scene& scene,
                const std::vector<std::vector<double>>& times, std::size_t columns = 1);
 
@@ -38,7 +38,7 @@ public:
   [[nodiscard]] std::size_t count() const { return samples_.size(); }
   [[nodiscard]] const std::vector<std::size_t>& first() const { return first_; }
 
-  /// The values of a column, once all frames have been taken: of the motion (0), of its derivative by unknown
+  /// Values of a column, once all frames have been taken: of the motion (0), or of its derivative by unknown
   /// j (j + 1).
   [[nodiscard]] std::vector<double> values(std::size_t column = 0) const;
 
@@ -57,14 +57,14 @@ public:
                                const contact::ConstraintRows& rate) const override;
 
 private:
-  /// A number of each state or step, of which measurements are interpolated.
+  /// A number of each state or step from which measurements are interpolated.
   struct Channel {
     scene::Quantity of; ///< displacement, velocity or force
     step::SparseFunctional field{};
     step::ObstacleComponent force{};
-    std::vector<std::vector<double>> values{}; ///< of each column (N + 1); a force's is zero at 0
+    std::vector<std::vector<double>> values{}; ///< values of each column (N + 1); a force's is zero at 0
   };
-  /// A value: Σ weights · channel, or of the sums of a force so far, τ Σ.
+  /// A measured value: Σ weights · channel or, for an impulse, weights · sums of τ times a force so far.
   struct Sample {
     std::size_t channel;
     bool impulse;
@@ -72,14 +72,14 @@ private:
   };
 
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
-  /// The force of a channel by multipliers of rows.
+  /// Force of a channel from the multipliers of rows.
   [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,
                              const contact::ConstraintRows& rows) const;
   void take(int k, std::size_t column, Vec y, Vec v);
 
   const step::Stepper& stepper_;
   step::TimeGrid grid_;
-  bool alternate_; ///< forces of single steps do
+  bool alternate_; ///< whether forces of single steps alternate
   int steps_;
   std::vector<Channel> channels_;
   std::vector<Sample> samples_;

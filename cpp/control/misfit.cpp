@@ -11,17 +11,17 @@ double on_scale(const scene::Unknown& unknown, double value) {
   return unknown.logarithmic() ? std::log(value) : value;
 }
 
-/// The bounds of an unknown on its scale: those given, else those of its nature.
+/// The bounds of an unknown on its scale: the given ones, else its natural ones.
 std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
-  constexpr double nearly = 1e-6; // of limits that are excluded
+  constexpr double nearly = 1e-6; // distance from limits that are excluded
   const scene::Limits natural = scene::natural_limits(unknown.of);
   const double inside = natural.open ? nearly : 0;
   double lower = natural.least + inside, upper = natural.greatest - inside;
   if (natural.open && natural.least == 0)
     lower = std::numeric_limits<double>::min(); // in whatever unit
   if (unknown.logarithmic()) {
-    // The curvature of J by log θ falls with θ² towards 0, and with 1/θ² towards ∞: beyond the root of the
-    // rounding it is rounding of J, and a search sees no minimum any more.
+    // The curvature of J by log θ falls with θ² towards 0, and with 1/θ² towards ∞. Beyond the root of the
+    // rounding it is rounding of J, and a search finds no minimum.
     const double root = std::sqrt(std::numeric_limits<double>::epsilon());
     lower = std::max(lower, root * unknown.start);
     upper = std::min(upper, unknown.start / root);

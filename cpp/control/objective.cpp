@@ -74,8 +74,8 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   const int steps = grid.steps();
   if (steps < points)
     return 0;
-  // Σ τ_k² times the change of f' over step k, by values f_i at ascending times x_i; slopes between two of
-  // these hold in the middle, and f' is linear between middles and beyond them.
+  // Σ τ_k² times the change of f' over step k, from values f_i at ascending times x_i. Slopes between two of
+  // these are those in the middle; f' is linear between middles and beyond them.
   const auto changes = [&](const std::vector<double>& x, const std::vector<double>& f) {
     std::size_t i = 0;
     const auto slope = [&](std::size_t j) { return (f[j + 1] - f[j]) / (x[j + 1] - x[j]); };
@@ -116,7 +116,7 @@ double Objective::variation(const Control& u) const {
     const double tau = grid.length(k), later = grid.length(k + 1), between = (tau + later) / 2;
     for (std::size_t i = 0; i < change.at(1).size(); ++i)
       change.at(1)[i] = u.at(k + 1)[i] - u.at(k)[i];
-    // From middle to middle, and beyond the first and the last one.
+    // From middle to middle, and on to the ends beyond the first and the last one.
     const double first = k == 1 ? 2 : 1, last = k + 1 == steps ? 2 : 1,
                  squares = (first * std::pow(tau, 3) + last * std::pow(later, 3)) / 2;
     sum += squares * controls_.product_at(1, change, change) / (between * between);

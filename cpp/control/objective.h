@@ -21,13 +21,13 @@ public:
   TimeWeights(const scene::Objective& scene, step::TimeGrid grid);
 
   [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
-  /// θ.
+  /// Weight θ of the tracking term.
   [[nodiscard]] double tracking() const { return tracking_; }
-  /// α: the derivative by the control is α u.
+  /// Weight α of the control cost; the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
-  /// w_k: the state part of J is Σ_k ½ w_k ‖e_k‖², tracking and terminal term.
+  /// Weight w_k: the state part of J is Σ_k ½ w_k ‖e_k‖², tracking and terminal term.
   [[nodiscard]] double of(int k) const { return tracking_at(k) + terminal_at(k); }
-  /// J from the ‖e_k‖² (N + 1) and the control u, which is not read where α is zero.
+  /// Computes J from the ‖e_k‖² (N + 1) and the control u, which is not read where α is zero.
   [[nodiscard]] ObjectiveValue value(const std::vector<double>& squared_distances,
                                      const ControlSpace& controls, const Control& u) const;
 
@@ -58,9 +58,9 @@ private:
   petsc::Vector difference_, work_;
 };
 
-/// The objective J (docs/method.md section 3): the distance of the motion from the desired one in L2 of the
-/// body, a part of it or a surface, and the cost of the control. A term whose weight is zero is not
-/// evaluated. All members collective.
+/// The objective J (docs/method.md section 3): the distance of the motion from the desired one, and the cost
+/// of the control. Distances are those in L2 of the body, a part of it or a surface. A term whose weight is
+/// zero is not evaluated. All members collective.
 class Objective {
 public:
   /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
@@ -70,7 +70,7 @@ public:
   /// Stores ‖y_k − y_d,k‖² as entry k of `squared_distances` (N + 1); an entry without weight stays zero.
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
 
-  /// J from the squared distances of observe().
+  /// Computes J from the squared distances of observe().
   [[nodiscard]] ObjectiveValue value(const std::vector<double>& squared_distances, const Control& u) const {
     return weights_.value(squared_distances, controls_, u);
   }
@@ -82,31 +82,31 @@ public:
   /// Adds ∂²J/∂y_k² δy.
   void add_second_derivative(int k, Vec dy, step::StateDual sum) const { add_weighted(k, dy, nullptr, sum); }
 
-  /// The time integrals of J less their quadrature, to leading order: −τ_k²/12 times the change of
-  /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time,
-  /// +τ_k²/12 ∫ α/2 ‖u'‖² dt (u_k being the mean over step k). Zero for fewer than three steps.
+  /// The time integrals of J less their quadrature, to leading order. The trapezoidal rule contributes
+  /// −τ_k²/12 times the change of d/dt ½ θ ‖e‖² over step k, summed. A control that varies in time
+  /// contributes +τ_k²/12 ∫ α/2 ‖u'‖² dt (u_k being the mean over step k). Zero for fewer than three steps.
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
-  /// α: the derivative by the control is α u.
+  /// Weight α of the control cost; the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return weights_.alpha(); }
 
-  /// ‖y − y_d,k‖ in L2 of the set that is observed.
+  /// Distance ‖y − y_d,k‖ in L2 of the set that is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
 
-  /// ‖y‖ there.
+  /// Norm ‖y‖ in L2 of the set that is observed.
   [[nodiscard]] double norm(Vec y) const { return observed_.norm(y); }
 
-  /// y_d,k, valid until the next is asked for.
+  /// Desired displacement y_d,k, valid until the next call.
   [[nodiscard]] Vec desired(int k) const { return desired_->y(weights_.grid().step(k)); }
 
-  /// w_k of docs/method.md section 3.
+  /// Weight w_k of docs/method.md section 3.
   [[nodiscard]] double weight(int k) const { return weights_.of(k); }
 
 private:
-  /// Σ_k τ_k² ∫ ‖u'‖² dt over step k.
+  /// Computes Σ_k τ_k² ∫ ‖u'‖² dt over step k.
   [[nodiscard]] double variation(const Control& u) const;
   double squared_distance(int k, Vec y) const;
-  /// sum += weight(k) W (y − less); a null `less` is zero.
+  /// Adds weight(k) W (y − less); a null `less` is zero.
   void add_weighted(int k, Vec y, Vec less, step::StateDual sum) const;
 
   TimeWeights weights_;
@@ -116,7 +116,8 @@ private:
   petsc::Vector work_;
 };
 
-/// ∂J/∂y_k along a motion, or ∂²J/∂y_k² δy_k along a linearised one. States without weight are not asked for.
+/// Derivatives ∂J/∂y_k along a motion, or ∂²J/∂y_k² δy_k along a linearised one. States without weight are
+/// not read.
 class ObjectiveDuals final : public step::StateDuals {
 public:
   enum class Order { first, second };

@@ -212,7 +212,7 @@ optimize::LeastSquares ReducedProblem::least_squares(const Variables& v, traject
 }
 
 void ReducedProblem::weigh_parameters(const Variables& guess) {
-  const Sweeps before = sweeps_; // the linearised motions are not those of the search
+  const Sweeps before = sweeps_; // the linearised motions do not count for the search
   const std::vector<double> H = least_squares(guess).normal_matrix();
   sweeps_ = before;
   // The curvature of J along its steepest descent by the control alone.
@@ -243,7 +243,7 @@ public:
 
   [[nodiscard]] trajectory::TimeIntegrator& integrator() { return integrator_; }
 
-  /// Makes all steps once and shows the states 0…N. Throws Interrupted.
+  /// Makes all steps once and passes the states 0…N to `visit`. Throws Interrupted.
   void operator()(const std::function<void(const trajectory::Checkpoint& now)>& visit) {
     const auto timer = problem_.timers_.time("linearised");
     integrator_.restart();

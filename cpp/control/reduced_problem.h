@@ -17,9 +17,9 @@ namespace signorini::control {
 struct Model {
   const step::Stepper* stepper;
   const step::State* initial;
-  const trajectory::StateStoreFactory* storage; ///< of the motions of controls
-  const step::Load* load = nullptr;             ///< without a control
-  const step::Load* given = nullptr;     ///< of the control that the scene gives; acts where none is sought
+  const trajectory::StateStoreFactory* storage; ///< storage of controls' motions
+  const step::Load* load = nullptr;             ///< the scene's loads, without a control
+  const step::Load* given = nullptr;     ///< force of the scene's own control; acts where none is sought
   Measurements* measurements = nullptr;  ///< with parameters
   step::ParameterRates* rates = nullptr; ///< with parameters
   std::shared_ptr<const void> parts{};   ///< owns all of these, or some
@@ -29,8 +29,8 @@ struct Model {
 /// value, gradient, Hessian product (docs/method.md sections 4 and 9). A search varies a control u, the
 /// parameters x of a scene on their scales, or both: J is the control's objective, the misfit of the
 /// measurements, or their sum. Keeps the trajectories of the current point and of a trial; a rejected trial
-/// changes nothing. With parameters every trial has a model of its own, and so a factor. All members
-/// collective; those that compute throw WriteFailure if the storage of states does.
+/// changes nothing. With parameters every trial has its own model and factor. All members collective; those
+/// that compute throw WriteFailure if the storage of states does.
 class ReducedProblem {
 public:
   using Vector = Variables;
@@ -42,31 +42,31 @@ public:
     int forward = 0, adjoint = 0;
   };
 
-  /// Makes the model for parameters x, whose measurements have `columns` columns. Throws UserError where the
-  /// scene is none at x.
+  /// Makes the model for parameters x, whose measurements have `columns` columns. Throws UserError if the
+  /// scene is not valid at x.
   using ModelAt =
       std::function<Model(std::span<const double> x, std::size_t columns, trajectory::Stops stops)>;
 
-  /// Of a control. The references must outlive this object, in the next one too.
+  /// Creates the problem of a control. The references must outlive this object, in the next one too.
   ReducedProblem(const Model& model, const ControlSpace& controls, const Objective& objective,
                  Timers& timers);
-  /// Of parameters and, unless null, of a control with its objective.
+  /// Creates the problem of parameters and, unless null, of a control with its objective.
   ReducedProblem(ModelAt models, const Misfit& misfit, const ControlSpace* controls,
                  const Objective* objective, Timers& timers);
 
-  /// Makes v the trial, by a forward sweep. Throws Interrupted, SolverFailure; with parameters also where the
-  /// scene is none at v or one of them is farther from the current point than a step may go.
+  /// Makes v the trial, by a forward sweep. Throws Interrupted, SolverFailure; with parameters also if the
+  /// scene is not valid at v or one of them is farther from the current point than a step may go.
   void simulate(const Variables& v);
-  /// J at v, which becomes the trial as in simulate().
+  /// Computes J at v, which becomes the trial as in simulate().
   [[nodiscard]] double value(const Variables& v);
 
-  /// The trial becomes the current point.
+  /// Makes the trial the current point.
   void accept();
 
   /// The gradient by the control at the current point, as Riesz representative in L2(0,T; L2) by one adjoint
   /// sweep: g_k = α u_k + (τ s/2) p_k where the control acts.
   Control l2_gradient();
-  /// dJ/dx at the current point.
+  /// Derivatives dJ/dx by the parameters at the current point.
   std::vector<double> gradient_by_parameters();
 
   /// The gradient as Riesz representative by inner().
@@ -77,26 +77,27 @@ public:
   /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2):
   /// one linearised and one adjoint sweep. Not with parameters. Throws Interrupted.
   Control l2_hessian_product(const Control& d);
-  /// The Hessian product as Riesz representative by inner(). With parameters by a difference of gradients: to
-  /// five digits or so, where no active set changes within 1e-5 of the point.
+  /// The Hessian product as Riesz representative by inner(). With parameters it is a difference of gradients,
+  /// to about five digits if no active set changes within 1e-5 of the point.
   Variables hessian_product(const Variables& d);
 
-  /// r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each parameter. Throws
-  /// UserError where the scene is none there, SolverFailure, Interrupted.
+  /// Computes r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each parameter.
+  /// Throws UserError if the scene is not valid there, SolverFailure, Interrupted.
   [[nodiscard]] optimize::LeastSquares least_squares(const Variables& v,
                                                      trajectory::Stops stops = trajectory::Stops::obeyed);
-  /// Weighs parameters in inner() so that a change of x_j is as long as one of the control along which J
-  /// curves as much, both at the first guess; makes that the current point. Without a call the weights are 1.
+  /// Sets the weights of parameters in inner() at a first guess, and makes that the current point. A change
+  /// of x_j is then as long as one of the control along which J has the same curvature. Without a call the
+  /// weights are 1.
   void weigh_parameters(const Variables& guess);
 
-  /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws
-  /// Interrupted.
+  /// Computes S'(u) d: passes the linearised states δy_1…δy_N at the current control, active sets frozen, to
+  /// `visit`. Throws Interrupted.
   void linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit);
 
-  /// The one-sided derivative J'(u; d), exact at weak contact too (docs/method.md section 4), computed twice:
-  /// by the linearised motion in which weak candidates may open, and as ⟨g, d⟩ with the gradient g of the
-  /// piece of J in the direction d, which slides on the sets C_k that then stay closed. They agree up to
-  /// rounding; without weak contact g is the gradient. Throws Interrupted.
+  /// The one-sided derivative J'(u; d), exact at weak contact too (docs/method.md section 4), computed twice.
+  /// One value is that of the linearised motion in which weak candidates may open. The other is ⟨g, d⟩ with
+  /// the gradient g of the selection of J in the direction d, by adjoint steps on the sets C_k that then stay
+  /// closed. They agree up to rounding; without weak contact g is the gradient. Throws Interrupted.
   struct OneSided {
     petsc::Pairing by_motion{};
     double by_gradient = 0;
@@ -104,7 +105,7 @@ public:
   };
   OneSided one_sided_slope(const Control& d);
 
-  /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
+  /// Computes S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
   Control adjoint(const step::DualAtStep& dual);
 
   [[nodiscard]] double inner(const Variables& v, const Variables& w) const;
@@ -121,11 +122,11 @@ public:
   [[nodiscard]] const ObjectiveValue& value() const { return current_->value; }
   [[nodiscard]] const trajectory::Trajectory& trajectory() const { return current_->trajectory; }
   [[nodiscard]] const trajectory::Trajectory& trial_trajectory() const { return trial_->trajectory; }
-  /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
+  /// Squared distances ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
   /// Residuals of the misfit at the trial.
   [[nodiscard]] const std::vector<double>& trial_residuals() const { return trial_->residuals; }
-  /// Shows p_N … p_1 of the current point, each valid during the call, by one more adjoint sweep.
+  /// Passes p_N … p_1 of the current point to `visit`, each valid during the call, by one more adjoint sweep.
   void adjoint_states(const AdjointObserver& visit);
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Sets the counters, when a search is resumed.
@@ -134,11 +135,11 @@ public:
   [[nodiscard]] step::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return *controls_; }
   [[nodiscard]] const Objective& objective() const { return *objective_; }
-  /// Of the current point.
+  /// The stepper of the current point.
   [[nodiscard]] const step::Stepper& stepper() const { return *current_->model.stepper; }
 
 private:
-  /// A motion, with J there.
+  /// A point with its model, its motion and J.
   struct Evaluation {
     Evaluation(Variables at, const ControlSpace* controls, Model with, bool whole)
         : v(std::move(at)), model(std::move(with)),
@@ -151,38 +152,38 @@ private:
 
     Variables v;
     Model model;
-    std::optional<ControlForce> force; ///< of v.u
+    std::optional<ControlForce> force; ///< force of v.u
     trajectory::Trajectory trajectory;
     std::vector<double> squared_distances, residuals;
     ObjectiveValue value;
-    std::optional<Variables> gradient; ///< with parameters, once it was computed
+    std::optional<Variables> gradient; ///< with parameters, once computed
   };
 
-  /// A point with a model of its own. Throws SolverFailure where the scene is none at v.
+  /// Creates a point with a model of its own. Throws SolverFailure if the scene is not valid at v.
   [[nodiscard]] std::unique_ptr<Evaluation> evaluation(const Variables& v) const;
-  /// Makes its motion, and J.
+  /// Computes the motion of a point, and J.
   void run(Evaluation& at);
   [[nodiscard]] static step::ForceAtStep load(const Model& model, const ControlForce* force);
   [[nodiscard]] static step::ForceAtStep load(const Evaluation& at) {
     return load(at.model, at.force ? &*at.force : nullptr);
   }
-  /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
+  /// The gradient: by the control its Riesz representative in L2(0,T; L2), by parameters dJ/dx.
   Variables derivative(Evaluation& at);
-  /// derivative(), neither timed nor counted.
+  /// Computes derivative() without timing or counting it.
   Variables swept(Evaluation& at, const AdjointObserver& visit);
   /// The gradient by inner().
   Variables gradient(Evaluation& at);
 
   using Step = std::function<void(int k, const step::LinearisedStep& step)>;
   class LinearisedRun;
-  /// Steps linearised on the current contact.
+  /// Returns steps linearised on the current contact.
   [[nodiscard]] Step on_current_contact();
 
-  /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
-  /// L2(0,T; L2).
+  /// Computes scale u + S'* w as Riesz representative in L2(0,T; L2): duals w are pulled back by S'
+  /// linearised on `contact`.
   Control pull_back(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                     double scale, const Control& u);
-  /// pull_back(), neither timed nor counted.
+  /// Computes pull_back() without timing or counting it.
   Control swept(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                 double scale, const Control& u, const AdjointObserver& visit);
 
@@ -191,8 +192,8 @@ private:
   const ControlSpace* controls_;
   const Objective* objective_;
   Timers& timers_;
-  std::vector<double> weights_;                  ///< of the parameters in inner()
-  std::optional<step::Stepper::Workspace> work_; ///< of linearised and adjoint steps, without parameters
+  std::vector<double> weights_;                  ///< weights of the parameters in inner()
+  std::optional<step::Stepper::Workspace> work_; ///< for linearised and adjoint steps, without parameters
   std::unique_ptr<Evaluation> current_, trial_;
   Sweeps sweeps_;
 };

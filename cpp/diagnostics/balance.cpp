@@ -14,8 +14,8 @@ namespace {
 
 using Components = std::array<double, 3>;
 
-/// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
-/// the clamps alone.
+/// Sets −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N). Clamped components are included, in which they
+/// act on the clamps alone.
 void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
                     const contact::ContactState& contact, Vec force) {
   check(VecZeroEntries(force));
@@ -25,16 +25,16 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 
 } // namespace
 
-/// What a balance consists of, added up in one pass over the dofs for each product with a matrix, and over
-/// the ranks at once.
+/// The sums of a balance, in one pass over the dofs for each product with a matrix, and in one reduction over
+/// the ranks.
 struct Balance::Sums {
   double kinetic = 0, elastic = 0;   ///< v·Mv and y·Ay
-  double momentum_moduli = 0;        ///< sum of those of Mv
-  double internal_moduli = 0;        ///< sum of those of Ay
+  double momentum_moduli = 0;        ///< sum of the moduli of Mv
+  double internal_moduli = 0;        ///< sum of the moduli of Ay
   double viscous = 0;                ///< w·Bw
   double load = 0, contact = 0;      ///< works
   double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
-  double reaction_power = 0;         ///< of the clamps
+  double reaction_power = 0;         ///< power of the clamps' reactions
   Components momentum{}, rate{}, applied{}, contact_force{}, reaction{};
 
   void add_up(MPI_Comm comm) {
@@ -105,8 +105,7 @@ void Balance::add_state(const trajectory::Frame& frame, Sums& sums) {
 double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
   const fem::Operators& body = stepper_.operators();
   const double tau = frame.step.tau;
-  check(
-      VecWAXPY(w_, -1, frame.before->y(), frame.after.y())); // w holds y_k − y_{k−1} until it is divided by τ
+  check(VecWAXPY(w_, -1, frame.before->y(), frame.after.y())); // w is y_k − y_{k−1} until it is divided by τ
   double load_work = 0;
   if (loads_alone_) {
     assemble(loads_alone_->at(frame.step), body, load_);
@@ -167,8 +166,8 @@ Invariants::Invariants(const step::Stepper& stepper, const BodyFigures& body)
 }
 
 void Invariants::observe(const trajectory::Frame& frame, const StepBalance& balance) {
-  // Rounding of Ay and y·Ay, to which forces and energies are known at best: large where strains are small
-  // relative to the displacement, as of a stiff body in flight.
+  // Rounding of Ay and y·Ay limits the accuracy of forces and energies. It is large where strains are small
+  // relative to the displacement, as for a stiff body in flight.
   PetscReal size = 0;
   check(VecNorm(frame.after.y(), NORM_2, &size));
   const double rounding_of_forces = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size,
@@ -180,7 +179,7 @@ void Invariants::observe(const trajectory::Frame& frame, const StepBalance& bala
   now_[1] = part(length(balance.momentum_residual) - rounding_of_forces, forces_);
   const double diameter = stepper_.space().mesh().diameter();
   const contact::ContactState& state = frame.contact;
-  const double unit = frame.step.k > 0 ? frame.step.scheme().impulse() : 1; // of λ by forces
+  const double unit = frame.step.k > 0 ? frame.step.scheme().impulse() : 1; // ratio of λ to forces
   for (const double lambda : state.normal_lambda())
     contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
   const double scale = std::max(contact_force_, std::sqrt(2 * energy_ * mass_) / crossing_);
@@ -205,7 +204,7 @@ std::optional<std::string> Invariants::violation(double tolerance) const {
       worst = j;
   if (now_[worst] <= tolerance)
     return std::nullopt;
-  return fmt::format("{} is {:.2e}, allowed is {:.0e} (run.tolerance)", defects_[worst].name, now_[worst],
+  return fmt::format("{} is {:.2e}, above run.tolerance = {:.0e}", defects_[worst].name, now_[worst],
                      tolerance);
 }
 

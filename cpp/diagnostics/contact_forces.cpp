@@ -13,7 +13,7 @@ namespace signorini::diagnostics {
 
 namespace {
 
-/// The same but for the impulse so far.
+/// Resets all members but the impulse so far.
 void begin(ObstacleForce& one) {
   one = {.min_gap = std::numeric_limits<double>::infinity(), .impulse = one.impulse};
 }
@@ -64,10 +64,10 @@ bool LargestForce::observe(double force) {
 
 namespace {
 
-constexpr double unknown = 0.5; // half a step too early as likely as too late
+constexpr double unknown = 0.5; // the middle: half a step too early is as likely as too late
 
-/// The time until a gap vanishes that was `far` and then, after the time `between`, `near`; within a step of
-/// length `step`.
+/// Time until a gap vanishes, continued linearly from `far` to `near` after the time `between`; limited to a
+/// step of length `step`.
 double crossing(double near, double far, double between, double step) {
   return far > near ? std::clamp(between * near / (far - near), 0.0, step) : unknown * step;
 }

@@ -15,7 +15,7 @@ std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   return x;
 }
 
-/// Components that no clamp holds on any node. Collective.
+/// Components that are clamped on no node. Collective.
 std::array<bool, 3> free_components(const step::Stepper& stepper) {
   const int dim = stepper.space().dim();
   std::array<int, 3> clamped{};

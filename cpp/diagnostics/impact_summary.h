@@ -15,36 +15,36 @@ namespace signorini::diagnostics {
 /// are those of steps: the force of step k acts from t_{k−1} to t_k. Peaks are those of the mean of two steps
 /// in a row, since the forces of single contact-implicit steps alternate (docs/method.md section 2).
 struct Touch {
-  std::string name;                ///< of the obstacle
-  double start = 0, end = 0;       ///< of the first step with a contact force, and of the last one, s
-  double contact_time = 0;         ///< of all steps with a contact force, s
-  std::array<double, 3> impulse{}; ///< of the resultant
-  double normal_impulse = 0;       ///< of the sum of the moduli of the nodal forces
-  double peak = 0;                 ///< of the modulus of the resultant
-  double normal_peak = 0;          ///< of the sum of the moduli of the nodal forces
-  double peak_time = 0;            ///< of the latter: that between its two steps, s
-  bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: then it
-                                   ///< is of what hits, and as a rule depends on step and size
-  double largest_step = 0;         ///< the same of a single step
-  double impulse_duration = 0;     ///< from 1 to 99 % of the normal impulse, s
+  std::string name;                ///< name of the obstacle
+  double start = 0, end = 0;       ///< begin of the first step with a contact force, end of the last one, s
+  double contact_time = 0;         ///< duration of all steps with a contact force, s
+  std::array<double, 3> impulse{}; ///< impulse of the resultant
+  double normal_impulse = 0;       ///< impulse of the sum of the moduli of the nodal forces
+  double peak = 0;                 ///< largest modulus of the resultant
+  double normal_peak = 0;          ///< largest sum of the moduli of the nodal forces
+  double peak_time = 0;            ///< time of that sum, between its two steps, s
+  bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: the peak
+                                   ///< is then that of the first hit, and mostly depends on step and size
+  double largest_step = 0;         ///< largest sum of the moduli in a single step
+  double impulse_duration = 0;     ///< time from 1 to 99 % of the normal impulse, s
   double sustained_peak = 0;       ///< largest mean of the sum of the moduli over `sustained_over`, N
-  double sustained_over = 0; ///< time in which a wave crosses four elements in contact, or of two steps, s
-  double least_gap = std::numeric_limits<double>::infinity(); ///< of a candidate at the end of a step, m
-  double least_gap_time = 0;                                  ///< the first, s
+  double sustained_over = 0;       ///< time in which a wave crosses four elements in contact, or two steps, s
+  double least_gap = std::numeric_limits<double>::infinity(); ///< least gap at the end of a step, m
+  double least_gap_time = 0;                                  ///< first time of that gap, s
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
 };
 
 /// Effect of contact on the motion of the body as a whole.
 struct Rebound {
-  double start = 0, end = 0;       ///< as those of a Touch, s
+  double start = 0, end = 0;       ///< begin of the first and end of the last step with a force, s
   int touches = 1;                 ///< between two, no candidate is in contact for two steps or more
-  std::array<double, 3> impulse{}; ///< of all obstacles, N s, in 2D N s/m
+  std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s, in 2D N s/m
   double peak = 0;                 ///< Touch::normal_peak of these steps
   std::array<double, 3> before{},  ///< velocity of the centre of mass at the start, m/s
-      after{};                     ///< at the end
-  /// −(after·n)/(before·n) along n, the part of the impulse in components that no clamp holds; only of a body
-  /// that moved towards one obstacle at rest, touched no other, and left it.
+      after{};                     ///< velocity at the end, m/s
+  /// Restitution −(after·n)/(before·n) along n, the part of the impulse in components without clamps. Only of
+  /// a body that moved towards one obstacle at rest, touched no other, and left it.
   std::optional<double> restitution{};
 };
 
@@ -54,25 +54,25 @@ struct Impact {
   std::vector<Touch> obstacles;
   Touch all;
   bool ended = false;           ///< whether no candidate was in contact in the last two steps
-  Rebound whole;                ///< from the first contact to the last
+  Rebound whole;                ///< effect from the first contact to the last
   std::vector<Rebound> bounces; ///< one by one: touches with longer pauses between them than within
-  std::string no_restitution;   ///< why the whole has none; empty if it has one
+  std::string no_restitution;   ///< why `whole` has no restitution; empty if it has one
 
-  /// Whether at `t` a wave that takes `crossing` (s) has not crossed the body since a bounce began.
+  /// Whether `t` is within `crossing`, the time (s) that a wave takes across the body, after a bounce began.
   [[nodiscard]] bool begins(double t, double crossing) const;
 };
 
-/// Where the energy of a motion came from and went to, J, in 2D J/m: the sums over its steps.
+/// Sources and sinks of the energy of a motion, J, in 2D J/m: the sums over its steps.
 struct EnergyAccount {
   double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
-  double load_work = 0;           ///< of the scene's loads
-  double other_work = 0;          ///< of a control and of clamps that move
-  double contact_work = 0;        ///< of contact
-  double viscous_dissipation = 0; ///< by viscosity
-  double residual = 0;            ///< what is left of the energy law
+  double load_work = 0;           ///< work of the scene's loads
+  double other_work = 0;          ///< work of a control and of clamps that move
+  double contact_work = 0;        ///< work of contact
+  double viscous_dissipation = 0; ///< dissipation by viscosity
+  double residual = 0;            ///< residual of the energy law
 };
 
-/// Sums up a motion frame by frame.
+/// Sums up energies and contact of a motion frame by frame.
 class ImpactSummary {
 public:
   /// Collective. The references must outlive this object.
@@ -82,46 +82,46 @@ public:
   void observe(const trajectory::Frame& frame, const StepBalance& balance, const ObstacleForces& forces);
 
   [[nodiscard]] const EnergyAccount& energy() const { return energy_; }
-  /// Absent in a scene without contact.
+  /// Effect of contact; absent in a scene without contact.
   [[nodiscard]] std::optional<Impact> impact() const;
 
 private:
-  /// Of an obstacle or of all: what the last step left, for means of two.
+  /// State of an obstacle, or of all, after the last step, for means of two steps.
   struct Last {
     std::array<double, 3> force{};
     double normal_force = 0;
     int open = 0;     ///< steps in a row without a force, before the first one too
-    double begun = 0; ///< when contact last began after that, s
+    double begun = 0; ///< time at which contact last began after that, s
   };
   void take(const trajectory::Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
-  /// Lets contact act on the body as a whole: its momentum before a step and after it.
+  /// Adds one step to the current bounce: the body's momentum before and after it, kg m/s.
   void rebound(const trajectory::Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
                const std::array<double, 3>& after);
-  /// Why nothing that contact did here is a restitution; empty if it may be.
+  /// Reason why no coefficient of restitution is defined; empty if one may be.
   [[nodiscard]] std::string unfit() const;
-  /// Touches grouped: a flutter is one bounce.
+  /// Groups touches into bounces: a flutter is one bounce.
   [[nodiscard]] std::vector<Rebound> bounces() const;
-  /// Whether a pause between two rebounds is no flight: short beside both, or shorter than a wave takes
-  /// across the body and back, the least that a bounce lasts; or the body, if `fit` for a restitution, has
-  /// not turned.
+  /// Whether two rebounds are one bounce, since the pause between them is no flight. It is short beside both,
+  /// or shorter than the shortest bounce, in which a wave crosses the body and returns. Or the body, if `fit`
+  /// for a restitution, has not turned.
   [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool fit) const;
-  /// −(after·n)/(before·n), if the body came nearer and left.
+  /// Restitution −(after·n)/(before·n), if the body came nearer and left.
   [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
-  /// The product of a velocity and an impulse in the components that no clamp holds.
+  /// The product of a velocity and an impulse in components without clamps.
   [[nodiscard]] double along(const std::array<double, 3>& velocity,
                              const std::array<double, 3>& impulse) const;
 
   const step::Stepper& stepper_;
-  std::array<bool, 3> free_{}; ///< components that no clamp holds
+  std::array<bool, 3> free_{}; ///< components without clamps
   bool moving_;
-  double crossing_; ///< of a wave, s
+  double crossing_; ///< crossing time of a wave, s
   EnergyAccount energy_;
   Impact impact_;
-  std::vector<Last> last_;                         ///< of each obstacle, and of all
-  std::vector<trajectory::ImpulseRecord> records_; ///< likewise, of the sum of the moduli
+  std::vector<Last> last_;                         ///< states of each obstacle, then of all
+  std::vector<trajectory::ImpulseRecord> records_; ///< sums of the moduli, of each obstacle, then of all
   std::vector<Rebound> touches_;
-  std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last touch
-  int open_steps_ = 0;                           ///< without a candidate in contact, since the last one with
+  std::array<double, 3> momentum_{}, impulse_{}; ///< body's momentum; contact impulse before the last touch
+  int open_steps_ = 0;                           ///< steps in a row without a candidate in contact
   bool parted_ = true; ///< whether so many were open that the next force begins a touch
 };
 

@@ -20,17 +20,17 @@ using petsc::check;
 
 namespace {
 
-/// Small strain neglects ε²/2 of a stretch ε: beyond this limit more than a fortieth of it.
+/// Limit of strain: small strain neglects ε²/2 of a stretch ε, here a fortieth of it.
 constexpr double small_strain = 0.05;
-/// In small strain a rotation by θ stretches the body by θ²/2: beyond this limit by 0.4 per cent, as much as
-/// a strong load stretches a stiff body.
+/// Limit of rotation: in small strain a rotation by θ stretches the body by θ²/2, here by 0.4 per cent, as
+/// much as a strong load stretches a stiff body.
 constexpr double small_rotation = 5 * std::numbers::pi / 180;
 /// Error of a linearised gap relative to the node's displacement, with the same limit as strain.
 constexpr double small_gap_error = 0.05;
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
-/// A value above a limit in four digits, or as many as it takes to show that it is.
+/// A value above a limit as text, in four digits or as many as show that it is above.
 std::string above(double value, double limit) {
   int digits = 4;
   std::string text = fmt::format("{:.{}g}", value, digits);
@@ -195,32 +195,29 @@ std::vector<Warning> Plausibility::warnings() {
          fmt::format("{} elements are turned inside out at t = {:.6g} s", inverted_.value, inverted_.time),
          inverted_.value, 0});
   if (slip_.value > 1)
-    found.push_back(
-        {"motion beyond an obstacle's radius",
-         fmt::format(
-             "the node {} has come {} radii of the obstacle along it: the obstacle that it sees is the "
-             "half-space that was next to it in the undeformed body",
-             where(slip_), above(slip_.value, 1)),
-         slip_.value, 1});
+    found.push_back({"motion beyond an obstacle's radius",
+                     fmt::format("the node {} slid {} obstacle radii along the obstacle; its contact plane "
+                                 "is still the tangent plane at its undeformed position",
+                                 where(slip_), above(slip_.value, 1)),
+                     slip_.value, 1});
   if (gap_.value > small_gap_error)
-    found.push_back(
-        {"linearised gap",
-         fmt::format(
-             "the gap of the node {} is off by {} of its displacement, since the obstacle is linearised "
-             "about the undeformed body: it is meant to be off by less than {}",
-             where(gap_), above(gap_.value, small_gap_error), small_gap_error),
-         gap_.value, small_gap_error});
+    found.push_back({"linearised gap",
+                     fmt::format("the gap of the node {} is off by {} of its displacement (limit {}), since "
+                                 "the obstacle is linearised about the undeformed body",
+                                 where(gap_), above(gap_.value, small_gap_error), small_gap_error),
+                     gap_.value, small_gap_error});
   return found;
 }
 
 namespace {
 
-/// No solid has faster waves than diamond, 18 km/s, or more mass than osmium, 22,600 kg/m³; and those from
-/// 2000 kg/m³ on are stones, glasses and metals, of which lead has the slowest, at 1.2 km/s.
+/// Limits for solids. None has faster waves than diamond, 18 km/s, or a higher density than osmium, 22,600
+/// kg/m³. Those from 2000 kg/m³ on are stones, glasses and metals; lead has the slowest waves of these, 1.2
+/// km/s.
 constexpr double fastest = 20e3, densest = 25e3, heavy = 2000, slow_if_heavy = 100;
-/// Beyond these a body is drawn in another unit more likely than not, m.
+/// Lengths beyond which a body is probably drawn in another unit, m.
 constexpr double longest = 1000, shortest = 1e-5;
-/// Times of the body that an obstacle may be away if the body does not fly there.
+/// Largest distance of an obstacle that the body does not reach, in lengths of the body.
 constexpr double farthest = 10;
 
 void warn_of_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& warnings) {
@@ -250,31 +247,28 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
                                ? "mesh.unit = \"mm\" takes a mesh in millimetres"
                                : "mesh.unit = \"m\" takes a mesh in metres";
   const double length = std::ranges::max(figures.extent);
-  const bool waves_known = warnings.empty(); // times that follow from doubtful speeds say nothing more
+  const bool waves_known = warnings.empty(); // times that follow from implausible speeds add nothing
   if (length > longest || length < shortest)
     warnings.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
   else if (waves_known && time.end < figures.crossing)
-    warnings.push_back(
-        fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
-                    "takes {:.3g} s; {}, and moduli are in Pa",
-                    time.end, length, figures.crossing, hint));
+    warnings.push_back(fmt::format("the run ends at {:.3g} s, before a wave crosses the body of {:.3g} m, "
+                                   "which takes {:.3g} s; {}, and moduli are in Pa",
+                                   time.end, length, figures.crossing, hint));
   else if (waves_known && !time.automatic() && figures.crossing_steps < 1)
-    warnings.push_back(
-        fmt::format("a step takes {:.3g} s, in which a wave comes {:.3g} times across the body of {:.3g} "
-                    "m: only motions slower than that are resolved",
-                    time.step, 1 / figures.crossing_steps, length));
+    warnings.push_back(fmt::format("in a step of {:.3g} s a wave crosses the body of {:.3g} m {:.3g} times; "
+                                   "only slower motions are resolved",
+                                   time.step, length, 1 / figures.crossing_steps));
   if (!stepper.pairs() || stepper.pairs()->moving())
     return;
   const double gap = std::ranges::min(stepper.pairs()->psi());
   if (gap > farthest * length &&
       std::ranges::none_of(trajectory::first_touches(stepper, scene), &trajectory::FirstTouch::occurs))
     warnings.push_back(fmt::format(
-        "the obstacle is {:.3g} m away from a body of {:.3g} m, which its initial velocity and the loads do "
-        "not bring there before {:.3g} s; {}",
-        gap, length, time.end, hint));
+        "the obstacle is {:.3g} m away from a body of {:.3g} m, which does not reach it by {:.3g} s; {}", gap,
+        length, time.end, hint));
 }
 
-/// A body that is inside of an obstacle but for its surface, which may stand on it.
+/// Warns if most of the body is inside of an obstacle; its surface does not count, as it may stand on it.
 void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& warnings) {
   const contact::ContactPairs* pairs = stepper.pairs();
   const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
@@ -298,20 +292,20 @@ void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& war
   }
 }
 
-/// Elements of degree 1 are too stiff in bending, by ten per cent with four across the height.
+/// Warns of few elements of degree 1 across a slender clamped body: with four it is ten per cent too stiff in
+/// bending.
 void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
                      std::vector<std::string>& warnings) {
-  constexpr double slender = 4, enough = 6;
+  constexpr double slender = 4, enough = 6, percent_at_four = 10;
   const std::span extent(figures.extent.data(), static_cast<std::size_t>(figures.dim));
   const auto [least, greatest] = std::ranges::minmax(extent);
   if (stepper.space().degree() > 1 || scene.clamps.empty() || !stepper.pairs() || greatest < slender * least)
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)
-    warnings.push_back(
-        fmt::format("a slender body that is held has elements of degree 1, {:.2g} across, which are too "
-                    "stiff in bending by ten per cent or more; mesh.degree = 2 is not",
-                    across));
+    warnings.push_back(fmt::format("a clamped slender body has {:.2g} elements of degree 1 across, which are "
+                                   "too stiff in bending by some {:.2g} %; set mesh.degree = 2",
+                                   across, percent_at_four * 16 / (across * across)));
 }
 
 } // namespace

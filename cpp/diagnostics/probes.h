@@ -9,9 +9,10 @@
 
 namespace signorini::diagnostics {
 
-/// What a scene follows over time, [[output.probe]]: displacement and velocity at a point or as a mean over a
-/// group, with the reaction of its clamps; force and impulse of an obstacle; centre of mass, momentum and
-/// mean rotation of the body, which is that of the rigid motion next to y in the norm of the mass.
+/// Quantities that a scene records over time, [[output.probe]]. At a point or as a mean over a group these
+/// are displacement and velocity, and the reaction of a group's clamps. Of an obstacle they are force and
+/// impulse; of the body centre of mass, momentum and mean rotation. That is the rotation of the rigid motion
+/// nearest to y in the norm of the mass.
 class Probes {
 public:
   /// Collective. The references must outlive this object. Throws UserError if a point is outside of the body,
@@ -30,7 +31,7 @@ public:
                   std::vector<double>& values) const;
 
 private:
-  /// What values are read from.
+  /// Data of a frame from which values are computed.
   struct Sample {
     Vec y, v, reactions;            ///< fields; the forces of the clamps are null if not needed
     std::vector<double> y_at, v_at; ///< y and v at the points (points × dim)
@@ -39,16 +40,16 @@ private:
   };
   using ProbeValue = std::function<double(const Sample& now)>;
 
-  /// factor · (weights · field) + offset, by the number of the weights.
+  /// Returns the value factor · (weights · field) + offset, by the number of the weights.
   [[nodiscard]] static ProbeValue linear(std::size_t weights, Vec Sample::* field, double factor = 1,
                                          double offset = 0);
   void add(const std::string& probe, const std::string& quantity, const ProbeValue& value);
-  /// Adds a value for each component; `make(c)` gives it.
+  /// Adds a value for each component; `make(c)` returns it.
   template <class Make>
   void add_vector(const std::string& probe, const std::string& quantity, Make&& make);
-  /// Makes the sampler of all points.
+  /// Creates the sampler of all points.
   void find_points(const std::vector<scene::Probe>& probes);
-  /// `number`: of the point among all.
+  /// Adds the values of a point; `number`: its index among all points.
   void add_point(const std::string& probe, std::size_t number);
   void add_obstacle(const std::string& probe, std::size_t obstacle);
   void add_group(const std::string& probe, const std::string& group, const std::string& key);

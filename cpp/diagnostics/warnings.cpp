@@ -21,7 +21,7 @@ using Point = std::array<double, 3>;
 
 /// A neighbouring candidate, in coordinates along the obstacle's tangent plane.
 struct Neighbour {
-  double distance, xi, eta, rise; ///< m; of the gap over that at the centre
+  double distance, xi, eta, rise; ///< m; rise: of the gap over that at the centre
 };
 
 /// Two unit vectors normal to ν and to each other; in the plane one, and zero.
@@ -66,9 +66,8 @@ std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_
   return all;
 }
 
-/// The mean curvature of the gap there, 1/m, by a paraboloid of revolution, in the plane a parabola, with its
-/// lowest point anywhere, fitted by least squares; nothing where there are too few candidates. `h`: their
-/// spacing, m.
+/// Mean curvature of the gap, 1/m: a paraboloid of revolution, in the plane a parabola, with its lowest point
+/// anywhere, is fitted by least squares. Nothing where there are too few candidates. `h`: their spacing, m.
 std::optional<double> curvature(const std::vector<Neighbour>& around, double h, std::size_t dim) {
   const std::size_t n = dim + 1;
   std::vector<double> normal(n * n), right(n);
@@ -102,8 +101,8 @@ Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most,
   Spacing spacing;
   for (std::size_t i = 0; i < ring; ++i)
     spacing.found += around[i].distance / static_cast<double>(ring);
-  // As many nodes as now stand for an area, in the plane a length, that five should stand for: the least that
-  // a zone asks for.
+  // Five nodes should cover the area, in the plane the length, that the nodes in contact cover now: the least
+  // refinement of a zone.
   const double share = static_cast<double>(most) / wanted,
                finer = spacing.found * (plane ? share : std::sqrt(share));
   const std::optional<double> bend = curvature(around, spacing.found, static_cast<std::size_t>(pairs.dim()));
@@ -113,8 +112,8 @@ Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most,
   if (bend && *bend > 0) {
     const double radius = plane ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
                                 : std::cbrt(3 * force / (4 * modulus * *bend));
-    // So that the ring around a node in the middle, in the plane two nodes on either side of it, is within
-    // the zone; forces on coarse meshes are too large.
+    // Puts the ring around a node in the middle, in the plane two nodes on either side of it, within the
+    // zone; forces on coarse meshes are too large.
     constexpr double part = 0.7;
     spacing.enough = std::min(finer, part * (plane ? radius / 2 : radius));
   }
@@ -171,11 +170,11 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const Spacing spacing = spacing_for(pairs, zone.candidate, zone.most, zone.force, modulus);
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
-  std::string message = fmt::format(
-      "the mesh is too coarse at {} m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
-      "and the motion are those of single nodes; nodes there are {:.3g} m apart",
-      point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
-      zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
+  std::string message =
+      fmt::format("the mesh is too coarse at {} m, t = {:.6g} s. At most {} touch{} \"{}\" at once, so that "
+                  "force and motion are those of single nodes. Nodes there are {:.3g} m apart",
+                  point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
+                  zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;
     message +=
@@ -217,7 +216,8 @@ std::string calmer_contact(const step::Stepper& stepper) {
 
 namespace {
 
-/// Of the largest energy: beyond what the default accuracies leave, and well below what a restitution shows.
+/// Limit relative to the largest energy: above the loss at the default accuracies, and well below one that a
+/// restitution shows.
 constexpr double small_loss = 0.03;
 
 } // namespace
@@ -229,19 +229,18 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
   return {{"energy lost in contact",
-           fmt::format(
-               "contact took {:.2g} of the largest energy of the motion, {:.3g} {}, though its obstacles "
-               "are at rest: an error, which falls with the step ({}) to {:.1e} s, in which a wave crosses "
-               "an element in contact, and from there on with mesh.size or, where contact.mass is "
-               "\"massless\", with the step still",
-               part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
-               scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
+           fmt::format("contact took {:.2g} of the largest energy of the motion, {:.3g} {}, though its "
+                       "obstacles are at rest. This error falls with the step ({}) down to {:.1e} s, in "
+                       "which a wave crosses an element in contact. Below that it falls with mesh.size or, "
+                       "if contact.mass is \"massless\", with the step still",
+                       part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
+                       scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
            part, small_loss}};
 }
 
 namespace {
 
-constexpr double most = 0.5; ///< of a depth
+constexpr double most = 0.5; ///< largest approach relative to a depth
 
 /// The extent of the body along a normal, m.
 double depth_along(const double* nu, const std::array<double, 3>& extent, std::size_t dim) {
@@ -271,7 +270,7 @@ void Passage::observe(const trajectory::Frame& frame) {
   const auto dim = static_cast<std::size_t>(pairs->dim());
   struct Closing {
     double body = 0, gap = std::numeric_limits<double>::infinity(), depth = 0; ///< m
-    double level = 0; ///< by which a level set comes closer, m
+    double level = 0; ///< distance by which a level set comes closer, m
     const contact::Obstacle* shape = nullptr;
   };
   std::vector<Closing> all(worst_.size());
@@ -303,15 +302,13 @@ std::vector<Warning> Passage::warnings() const {
   std::vector<Warning> found;
   for (std::size_t o = 0; o < worst_.size(); ++o)
     if (const Worst& worst = worst_[o]; worst.share > most)
-      found.push_back(
-          {"passage within a step",
-           fmt::format(
-               "{}: in the step to t = {:.6g} s the obstacle and the body approach by {:.3g} m, {:.3g} "
-               "times the {:.3g} m that the thinner one is deep: what happens within the step is "
-               "not seen, and one may pass through the other; let time.step be below {:.2g} s",
-               stepper_.pairs()->key(static_cast<int>(o)), worst.step.end, worst.path, worst.share,
-               worst.depth, worst.step.tau * most / worst.share),
-           worst.share, most});
+      found.push_back({"passage within a step",
+                       fmt::format("{}: in the step to t = {:.6g} s obstacle and body approach by {:.3g} m, "
+                                   "{:.3g} times the depth of the thinner one, {:.3g} m. One may pass "
+                                   "through the other within the step; set time.step below {:.2g} s",
+                                   stepper_.pairs()->key(static_cast<int>(o)), worst.step.end, worst.path,
+                                   worst.share, worst.depth, worst.step.tau * most / worst.share),
+                       worst.share, most});
   return found;
 }
 
@@ -340,7 +337,7 @@ std::vector<Warning> StepWarnings::warnings() const {
 
 namespace {
 
-/// A mesh resolves a largest stress that is less than so many times the recovered one.
+/// Largest ratio of the largest stress to the recovered one on a mesh that resolves it.
 constexpr double resolved = 1.3;
 
 } // namespace
@@ -377,13 +374,12 @@ std::vector<Warning> LargestStress::warnings() {
     return point_text(x.data(), space_.dim()) + " m";
   };
   const double factor = stress.largest.value / stress.recovered;
-  std::string text = fmt::format(
-      "the largest von Mises stress, {:.4g} Pa in the cell at {}, is {:.3g} times what the cells around it "
-      "make of it, where a resolved one is less than {}: it is of the mesh",
-      stress.largest.value, place(stress.largest.at), factor, resolved);
+  std::string text = fmt::format("the largest von Mises stress, {:.4g} Pa in the cell at {}, is {:.3g} times "
+                                 "the value recovered from its neighbours (limit {}). It depends on the mesh",
+                                 stress.largest.value, place(stress.largest.at), factor, resolved);
   if (stress.corner && stress.angle > fem::reentrant)
-    text += fmt::format(", and as elements become smaller it grows without bound at the corner {}, around "
-                        "which {:.2g} of the full angle is body: round the corner, or look elsewhere",
+    text += fmt::format(": it grows without bound at the corner {}, around which {:.2g} of the full angle is "
+                        "body. Round the corner, or evaluate the stress elsewhere",
                         place(*stress.corner), stress.angle);
   else if (stress.corner)
     text +=

@@ -18,19 +18,19 @@ namespace {
 /// Multiples of the element size and the time step, the coarsest first.
 constexpr int multiples[] = {4, 2};
 
-/// Fewer make a level that tells little of the next, whose search takes no time either: the half disc of 200
-/// cells still saves half of the sweeps on 800.
+/// Least cells and steps of a level. Smaller levels predict little of the next one, whose search is cheap
+/// anyway: the half disc of 200 cells still saves half of the sweeps on 800.
 constexpr double least_cells = 100;
 constexpr int least_steps = 10;
 
-/// The gradient norm to which a level is solved, of the first guess's. What is left is below the error of the
-/// discretisation: with ten times as much the next mesh takes twice the sweeps, with a third as much no fewer
-/// (half disc, 57, 29 and 37 at 0.5 m).
+/// Gradient norm to which a level is solved, relative to the first guess's. The rest is below the error of
+/// the discretisation. With ten times this tolerance the next mesh takes twice the sweeps, with a third of it
+/// no fewer (half disc, 57, 29 and 37 at 0.5 m).
 constexpr double coarse_tolerance = 1e-3;
-/// Where more are needed a level is searched no further: a cold search needs about half of them.
+/// Most iterations on a level; a cold search needs about half of them.
 constexpr int most_iterations = 60;
 
-/// The scene of a level, without what only results need.
+/// Scene of a level, without output.
 scene::Scene coarser(const scene::Scene& scene, int multiple) {
   scene::Scene coarse =
       scene::resized(scene, *scene.mesh.size * multiple, (scene.time.steps + multiple - 1) / multiple);
@@ -40,7 +40,7 @@ scene::Scene coarser(const scene::Scene& scene, int multiple) {
   return coarse;
 }
 
-/// Whether a level has cells and steps enough, by what the fine mesh has.
+/// Whether a level has enough cells and steps, estimated from the fine mesh.
 bool worth(const problem::Problem& problem, int multiple) {
   const double cells = static_cast<double>(problem.mesh.cells()) / std::pow(multiple, problem.mesh.dim());
   const scene::Time time = coarser(problem.scene, multiple).time;
@@ -56,11 +56,11 @@ void require_fewer_cells(const problem::Problem& coarse, const problem::Problem&
 }
 
 std::string words(const io::CoarseLevel& level) {
-  return fmt::format(
-      "coarse mesh of size {:.4g} m, {} free unknowns, {} steps of {:.4g} s: {} iterations, {} "
-      "forward and {} adjoint sweeps in {:.1f} s, J = {:.6e}: {}",
-      level.size, level.free_unknowns, level.steps, level.step, level.iterations, level.forward_sweeps,
-      level.adjoint_sweeps, level.seconds, level.objective, level.stop_reason);
+  return fmt::format("coarse mesh of size {:.4g} m, {} free unknowns, {} steps of {:.4g} s: {} iterations, "
+                     "{} + {} sweeps in {:.1f} s, J = {:.6e}: {}",
+                     level.size, level.free_unknowns, level.steps, level.step, level.iterations,
+                     level.forward_sweeps, level.adjoint_sweeps, level.seconds, level.objective,
+                     level.stop_reason);
 }
 
 } // namespace

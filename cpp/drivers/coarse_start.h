@@ -6,7 +6,7 @@
 
 namespace signorini::drivers {
 
-/// Where a search starts, and what it goes on with if coarser meshes were searched before.
+/// First guess of a search, and its inheritance from searches on coarser meshes.
 template <template <optimize::TwiceDifferentiable> class Method>
 struct SearchStart {
   using Inheritance = optimize::Inheritance<Method<optimize::Dimensionless<control::ReducedProblem>>>;
@@ -19,12 +19,13 @@ struct SearchStart {
 /// first.
 std::vector<int> coarse_multiples(const problem::Problem& problem);
 
-/// From coarse to fine (docs/method.md section 6): where optimizer.start is "coarse" the problem is solved,
-/// to about the error of its discretisation, with 4 times and then 2 times the element size and the time
-/// step, each search starting from the result of the last, interpolated with all that the method has learned.
-/// A level that would be too coarse is left out; one that cannot be meshed or solved is too, and the console
-/// says so. Each level searched is appended to `levels`. Else the scene's first guess. The method is one of
-/// Lbfgs, NewtonCg, ProjectedGradient. Collective. Throws UserError, Interrupted.
+/// Returns the start of a search: the scene's first guess or, where optimizer.start is "coarse", the result
+/// of searches from coarse to fine (docs/method.md section 6). These solve the problem to about the error of
+/// its discretisation, with 4 times and then 2 times the element size and the time step. Each starts from the
+/// result of the last one, interpolated with the state of the method. A level that is too coarse is left out;
+/// so is one that cannot be meshed or solved, with a line on the console. Each level searched is appended to
+/// `levels`. The method is one of Lbfgs, NewtonCg, ProjectedGradient. Collective. Throws UserError,
+/// Interrupted.
 template <template <optimize::TwiceDifferentiable> class Method>
 SearchStart<Method> search_start(const problem::Problem& problem, problem::ControlProblem& control_problem,
                                  const optimize::Options& options, const Console& console,

@@ -17,18 +17,18 @@ std::string power(const std::string& name, double exponent) {
   return std::abs(exponent - 1) < 1e-3 ? name : fmt::format("{}^{:.3g}", name, exponent);
 }
 
-/// Two numbers on logarithmic scales, of which a product of powers is known alone.
+/// Sentence on two numbers on logarithmic scales of which the data determine only a product of powers.
 std::string pair_of_logs(const std::string& a, const std::string& b, double slope) {
   constexpr double alike = 1e-3;
   if (std::abs(slope - 1) < alike)
-    return fmt::format("The data tell {} and {} only as their ratio.", a, b);
+    return fmt::format("The data determine only the ratio of {} and {}.", a, b);
   if (std::abs(slope + 1) < alike)
-    return fmt::format("The data tell {} and {} only as their product.", a, b);
-  return fmt::format("The data tell {} and {} only as {} {} {}.", a, b, power(b, 1),
+    return fmt::format("The data determine only the product of {} and {}.", a, b);
+  return fmt::format("The data determine {} and {} only as {} {} {}.", a, b, power(b, 1),
                      slope > 0 ? "/" : "times", power(a, std::abs(slope)));
 }
 
-/// A figure that was compared, in words.
+/// Simulated value of a compared figure, as text.
 std::string simulated(const io::ComparedFigure& one) {
   if (std::isnan(one.simulated))
     return "no contact";
@@ -38,7 +38,7 @@ std::string simulated(const io::ComparedFigure& one) {
   return fmt::format("{:.6g} {}{}", one.simulated, one.unit, deviations);
 }
 
-/// dJ/dθ and the standard deviations of θ.
+/// Adds dJ/dθ and the standard deviations of θ to a fit.
 void take_deviations(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                      const optimize::Identified& known, io::Fit& fit) {
   const std::vector<double> slope = problem.misfit.slopes(last.x), g = last.at.gradient();
@@ -48,7 +48,7 @@ void take_deviations(const problem::ParameterProblem& problem, const optimize::G
   }
 }
 
-/// Sentences about unknowns on logarithmic scales that are poorly identified.
+/// Adds sentences about unknowns on logarithmic scales that are poorly identified.
 void add_poorly_identified(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                            const optimize::Identified& known, io::Fit& fit) {
   for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
@@ -58,23 +58,21 @@ void add_poorly_identified(const problem::ParameterProblem& problem, const optim
       continue;
     if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
       fit.unidentified.push_back(
-          fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
-                      "guess: the data tell only that it is small. On the scale \"linear\" "
-                      "its least value can be found.",
+          fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first guess: the data show "
+                      "only that it is small. On the scale \"linear\" its least value can be found.",
                       unknown.name, fit.unknowns[j].value / unknown.start));
     else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
-      fit.unidentified.push_back(
-          fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
-                      "guess: the data tell only that it is large.",
-                      unknown.name, fit.unknowns[j].value / unknown.start));
+      fit.unidentified.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its "
+                                             "first guess: the data show only that it is large.",
+                                             unknown.name, fit.unknowns[j].value / unknown.start));
     else if (deviation > std::log(2))
       fit.unidentified.push_back(
-          fmt::format("The data hardly tell {}: its standard deviation is {:.3g} times its value.",
+          fmt::format("{} is poorly identified: its standard deviation is {:.3g} times its value.",
                       unknown.name, deviation));
   }
 }
 
-/// The pair of at least two unknowns of which the data tell the least apart.
+/// The most strongly correlated pair of at least two unknowns.
 std::string largest_correlation(const io::Fit& fit) {
   const std::size_t n = fit.unknowns.size();
   std::size_t first = 0, second = 1;
@@ -95,7 +93,7 @@ std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std:
     if (direction[j] != 0)
       which.push_back(j);
   if (which.size() == 1)
-    return fmt::format("The data do not tell {}.", unknowns[which.front()].name);
+    return fmt::format("The data do not determine {}.", unknowns[which.front()].name);
   const auto name = [&](std::size_t i) { return unknowns[which[i]].name; };
   if (which.size() == 2 && unknowns[which[0]].logarithmic() && unknowns[which[1]].logarithmic())
     return pair_of_logs(name(0), name(1), direction[which[1]] / direction[which[0]]);
@@ -106,8 +104,7 @@ std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std:
                                   unknowns[j].logarithmic() ? " of itself" : ""));
   }
   return fmt::format(
-      "The data do not tell {} apart: changes in the proportion of {} leave all values as they "
-      "are.",
+      "The data do not separate {}: changes in the proportion of {} leave all values as they are.",
       fmt::join(names, ", "), fmt::join(changes, ", "));
 }
 
@@ -159,7 +156,8 @@ io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussN
 }
 
 std::optional<Warning> misfit_warning(const io::Fit& fit) {
-  // By chance alone one fit in 200 or fewer has it: χ² of one degree of freedom, two values and one unknown.
+  // Chance alone exceeds this in at most one fit in 200: χ² of one degree of freedom, two values and one
+  // unknown.
   constexpr double limit = 2;
   if (!(fit.misfit > limit))
     return std::nullopt;
@@ -181,7 +179,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
   for (const io::FittedUnknown& one : fit.unknowns)
     lines.push_back(
         fmt::format("{:<{}}  {:>14.8g}  {:>12}  {:>12.6g}  {}{}", one.name, width, one.value,
-                    std::isfinite(one.deviation) ? fmt::format("{:.3g}", one.deviation) : "not told",
+                    std::isfinite(one.deviation) ? fmt::format("{:.3g}", one.deviation) : "undetermined",
                     one.start, one.unit, one.at_bound ? " (at its bound)" : ""));
   if (fit.unknowns.size() > 1)
     lines.push_back(largest_correlation(fit));
@@ -197,7 +195,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
 
 namespace {
 
-/// The figures of contact that are measured and not fitted, of a motion that `watch` has seen.
+/// Figures of contact that are measured but not fitted, for the motion that `watch` has observed.
 std::vector<io::ComparedFigure> compared(const problem::Problem& problem,
                                          const diagnostics::ContactFigures& watch) {
   const scene::Scene& scene = problem.scene;

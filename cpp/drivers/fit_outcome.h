@@ -12,23 +12,23 @@ namespace signorini::drivers {
 io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                 const std::vector<double>& simulated);
 
-/// A sentence on a direction along which nothing changes (optimize::Identified::unidentified).
+/// Sentence on a combination of unknowns that the data do not determine (optimize::Identified::unidentified).
 std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
 
 /// Warns if the residuals are more than noise.
 std::optional<Warning> misfit_warning(const io::Fit& fit);
 
-/// The outcome as a table for the console, and what the data do not tell.
+/// Outcome as a table for the console, with sentences on the unknowns that the data do not determine.
 std::vector<std::string> outcome_lines(const io::Fit& fit);
 
-/// What a motion gives of what was measured.
+/// Values and figures of a motion to compare with the measured ones.
 struct Simulated {
   std::vector<double> values;
   std::vector<io::ComparedFigure> compared;
 };
 
-/// Makes the motion once more, for its files and for this. A request to stop is ignored. Collective. Throws
-/// UserError, SolverFailure, WriteFailure.
+/// Repeats the motion, for its files and for the values to compare. A request to stop is ignored. Collective.
+/// Throws UserError, SolverFailure, WriteFailure.
 Simulated simulate_measured(const problem::Problem& problem, const problem::ParameterProblem& fit,
                             const step::ForceAtStep& load, MotionWriter& recorder);
 

@@ -80,7 +80,7 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
                                       {Field::pressure, nodal_scalar}})
     if (output.field(field))
       fields.push_back({scene::name(field), values});
-  // Steps of varying length may not be known yet; the disk is asked for what so many take.
+  // The number of steps may not be known yet: then the disk must have room for this many.
   constexpr int usual_steps = 1000;
   const int steps = problem_.grid.complete() ? problem_.steps() : usual_steps,
             stored = output.every > 0 ? (steps - 1) / output.every : scene::Output::most_frames;
@@ -182,9 +182,8 @@ void MotionWriter::put_aside(const trajectory::Frame& frame) {
   aside_->step = frame.step;
   aside_->contact = frame.contact;
   aside_->rows = contact_ ? contact_->size() : 0;
-  if (!state_)
-    return;
-  aside_->state.copy(frame.after);
+  if (state_ || with_surfaces())
+    aside_->state.copy(frame.after);
 }
 
 void MotionWriter::insert(const Aside& peak) {
@@ -198,7 +197,7 @@ void MotionWriter::insert(const Aside& peak) {
   }
   times_.insert(times_.begin() + (place - stored_.begin()), peak.step.end);
   stored_.insert(place, peak.step.k);
-  if (state_)
+  if (with_surfaces())
     follow_body(peak.state.y());
 }
 

@@ -15,19 +15,19 @@
 
 namespace signorini::drivers {
 
-/// Whether a run that ends at the time `end` (s) stores fields and contact of a step: every n-th or, where
-/// that is 0, the first after each of Output::most_frames equal parts of the time; the initial state, and the
-/// last step that it makes. The step of the largest contact force is stored as well, wherever it is.
+/// Whether a run that ends at the time `end` (s) stores fields and contact of a step. It does so for the
+/// initial state, the last step, and every n-th step or, where `every` is 0, the first one after each of
+/// Output::most_frames equal parts of the time. MotionWriter also stores the step of the largest force.
 bool stored(const step::TimeStep& step, double end, int every, bool last);
 
-/// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
-/// scene's [output] asks, and surfaces.h5 beside them; sums the motion up, and monitors its invariants and
-/// plausibility.
+/// Writes the files of a motion that the scene's [output] selects, frame by frame: steps.csv, contact.csv,
+/// obstacles.csv, probes.csv and state.xdmf, and at the end surfaces.h5. Sums the motion up, and monitors its
+/// invariants and plausibility.
 class MotionWriter {
 public:
-  /// `objective` is null in a run without one; `controlled`: whether a control acts; `errors`: of the steps,
-  /// where they are chosen while the motion is made. Collective. The arguments must outlive this object.
-  /// Throws UserError, WriteFailure.
+  /// Opens the files. `objective`: null in a run without one; `controlled`: whether a control acts; `errors`:
+  /// errors of the steps, if they are chosen during the motion. Collective. The arguments must outlive this
+  /// object. Throws UserError, WriteFailure.
   MotionWriter(const problem::Problem& problem, const io::OutputFolder& folder,
                const control::Objective* objective, bool controlled,
                const trajectory::StepErrors* errors = nullptr);
@@ -36,15 +36,15 @@ public:
   /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
   void operator()(const trajectory::Frame& frame);
 
-  /// The invariants monitored; null without.
+  /// Monitored invariants; null if none are.
   [[nodiscard]] const diagnostics::Invariants* invariants() const {
     return invariants_ ? &*invariants_ : nullptr;
   }
 
-  /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
+  /// Summary of the motion; null if nothing needs the balances of its steps.
   [[nodiscard]] const diagnostics::ImpactSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
 
-  /// Steps of which fields and contact were stored, ascending; complete after finish().
+  /// Steps whose fields and contact were stored, ascending; complete after finish().
   [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
 
   /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored. Collective.
@@ -63,7 +63,7 @@ private:
   void weigh(const trajectory::Frame& frame, diagnostics::StepBalance& balance);
   void add_rows(const trajectory::Frame& frame, const diagnostics::StepBalance& balance);
   void open_tables(const io::OutputFolder& folder, bool probed);
-  /// Opens state.xdmf if a field in it is asked for.
+  /// Opens state.xdmf if the scene stores a field in it.
   void open_state(const io::OutputFolder& folder);
   /// The state and contact after a step.
   struct Snapshot {
@@ -74,9 +74,9 @@ private:
   /// A step that is to be stored unless a later one has a larger contact force.
   struct Aside {
     step::TimeStep step;
-    step::State state; ///< with fields
+    step::State state; ///< set only with fields
     contact::ContactState contact;
-    std::streamoff rows; ///< where those of the step belong in contact.csv
+    std::streamoff rows; ///< position of the step's rows in contact.csv
   };
   void put_aside(const trajectory::Frame& frame);
   void store(const Snapshot& now);
@@ -87,7 +87,7 @@ private:
   void follow_body(Vec y);
   void write_surfaces() const;
   void insert(const Aside& peak);
-  /// The rows of contact.csv.
+  /// Rows of a step in contact.csv, valid until the next call.
   [[nodiscard]] const std::string& contact_rows(const step::TimeStep& step,
                                                 const contact::ContactState& contact);
 
@@ -107,21 +107,20 @@ private:
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
-  std::vector<int> stored_;   ///< steps
-  std::vector<double> times_; ///< at which they end, s
-  contact::Box body_;         ///< holds this rank's nodes at these times
+  std::vector<int> stored_;   ///< stored steps
+  std::vector<double> times_; ///< ends of these steps, s
+  contact::Box body_;         ///< box around this rank's nodes at these times
   diagnostics::LargestForce largest_force_;
-  std::optional<Aside> aside_; ///< the step of the largest force, where that is not stored yet
+  std::optional<Aside> aside_; ///< step of the largest force, if it is not stored yet
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };
 
-/// Shows adjoint states, each valid during the call of `store`.
+/// Passes adjoint states to `store`, each valid during that call.
 using AdjointStates = std::function<void(const std::function<void(int k, Vec p)>& store)>;
 
-/// Writes control.xdmf and adjoint.xdmf of those steps of which the motion is `stored`, as far as the scene's
-/// [output] asks for them; only then are adjoint states asked for. Collective. Throws UserError,
-/// WriteFailure.
+/// Writes control.xdmf and adjoint.xdmf of the `stored` steps, as the scene's [output] selects; evaluates
+/// `adjoint_states` only if they are written. Collective. Throws UserError, WriteFailure.
 void write_control(const io::OutputFolder& folder, const problem::Problem& problem,
                    const control::ControlSpace& controls, const control::Control& u,
                    const AdjointStates& adjoint_states, const std::vector<int>& stored);

@@ -36,31 +36,33 @@ void require_same_problem(io::CheckpointReader& in, const std::string& scene, co
   int layout = 0;
   in("format", layout);
   if (layout != format)
-    in.fail(fmt::format("found layout {}, allowed is {}, that of this version of signorini", layout, format));
+    in.fail(
+        fmt::format("found layout {}, but this version of signorini reads layout {}; start the search again",
+                    layout, format));
   std::string stored;
   in("scene", stored);
   const scene::Difference difference = scene::difference(stored, scene, scene::Part::search);
   if (!difference.first.empty())
-    in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
+    in.fail(fmt::format("found a run with {}, this scene has {}; resume with the scene that was interrupted",
                         difference.first, difference.second));
   in("mesh", stored);
   int same = rank(mesh.comm()) != 0 || stored == mesh.digest();
   MPI_Bcast(&same, 1, MPI_INT, 0, mesh.comm());
   if (!same)
-    in.fail("found a run on another mesh, whose nodes, elements or groups differ; allowed is the mesh of the "
-            "run that was interrupted");
+    in.fail("found a run on another mesh, whose nodes, elements or groups differ; resume with the mesh of "
+            "the interrupted run");
 }
 
 void require_same_value(const std::filesystem::path& file, double stored, double found, double scale) {
   constexpr double other_ranks = 1e-6;
   if (!(std::abs(found - stored) <= other_ranks * scale))
-    throw UserError(fmt::format("--resume: {}: found J = {:.10g} at its point, where it was {:.10g}; allowed "
-                                "are the forms and data of the run that was interrupted",
+    throw UserError(fmt::format("--resume: {}: J is {:.10g} at its point, where it was {:.10g}; resume with "
+                                "the forms and data of the interrupted run",
                                 file.string(), found, stored));
 }
 
 std::string not_written(const std::filesystem::path& file, const std::string& failure) {
-  return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays",
+  return fmt::format("warning: {} was not written ({}); the run continues, and an earlier checkpoint stays",
                      file.string(), failure);
 }
 

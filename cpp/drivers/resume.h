@@ -7,27 +7,27 @@
 #include <filesystem>
 #include <string>
 
-/// The condition under which --resume continues a search, the same for every kind of search: its checkpoint
-/// is whole, its scene poses the same problem, and J at its point is as it was.
+/// Conditions under which --resume continues a search of any kind: its checkpoint is whole, its scene poses
+/// the same problem, and J at its point is unchanged.
 namespace signorini::drivers::resume {
 
-constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
+constexpr const char* checkpoint = "checkpoint.h5"; ///< file name
 
-/// Whether the folder has a checkpoint; says so if not. Collective.
+/// Whether the folder has a checkpoint; prints a line if not. Collective.
 [[nodiscard]] bool found(const io::OutputFolder& folder, const Console& console);
 
-/// Stores the layout of checkpoints and the problem: `scene` is its echo().
+/// Stores the layout of checkpoints and the problem; `scene`: the scene's echo().
 void store_problem(io::CheckpointWriter& out, const std::string& scene, const mesh::Mesh& mesh);
 
-/// Throws UserError if the checkpoint has another layout, a scene that poses another problem to a search, or
-/// another mesh. Collective.
+/// Throws UserError if the checkpoint has another layout or another mesh, or if its scene poses another
+/// problem to a search. Collective.
 void require_same_problem(io::CheckpointReader& in, const std::string& scene, const mesh::Mesh& mesh);
 
-/// Throws UserError if J at the restored point differs from the stored J by more than another number of ranks
-/// explains, relative to `scale`: then forms or data are others.
+/// Throws UserError if J at the restored point differs from the stored J, relative to `scale`, by more than
+/// another number of ranks explains: then forms or data have changed.
 void require_same_value(const std::filesystem::path& file, double stored, double found, double scale);
 
-/// The warning of a checkpoint that could not be written.
+/// Warning that a checkpoint could not be written.
 [[nodiscard]] std::string not_written(const std::filesystem::path& file, const std::string& failure);
 
 } // namespace signorini::drivers::resume

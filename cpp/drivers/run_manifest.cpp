@@ -15,7 +15,7 @@ std::string body_lines(const problem::Problem& problem) {
   for (const std::string& note : figures.notes)
     text += "\nnote: " + note;
   for (const std::string& warning : figures.warnings)
-    text += "\ndoubt: " + warning;
+    text += "\nwarning: " + warning;
   return text;
 }
 
@@ -50,7 +50,7 @@ std::vector<scene::TableWarning> series_warnings(MPI_Comm comm, const scene::Sce
         warning.message = fmt::format("{}: {}: {}", one.key, one.file.string(), warning.message);
         found.push_back(std::move(warning));
       }
-    } catch (const UserError&) { // gone or changed since the scene was read, which is no reason to lose a run
+    } catch (const UserError&) { // the file is gone or has changed since the scene was read
     }
   }
   return found;
@@ -130,8 +130,8 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
                                recorder.invariants()->defects().end());
   for (const diagnostics::Invariants::Defect& defect : manifest.invariants)
     if (run.watched() && !(defect.worst <= run.tolerance))
-      console.line(fmt::format("warning: {} is {:.2e} at step {}, allowed is {:.0e} (run.tolerance)",
-                               defect.name, defect.worst, defect.step, run.tolerance));
+      console.line(fmt::format("warning: {} is {:.2e} at step {}, above run.tolerance = {:.0e}", defect.name,
+                               defect.worst, defect.step, run.tolerance));
   for (Warning& warning : recorder.warnings()) {
     console.line("warning: " + warning.message);
     manifest.warnings.push_back(std::move(warning));

@@ -29,8 +29,8 @@ step::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const std::
   return needs;
 }
 
-/// Sets the steps that the checkpoint of a search has, if it has lengths. Throws UserError if they are not
-/// those of a motion.
+/// Restores the step lengths of a search's checkpoint, if it has any. Throws UserError if they are not those
+/// of this scene.
 void restore_steps(problem::Problem& problem, const std::filesystem::path& out) {
   const std::vector<double> levels =
       io::checkpoint_numbers(problem.space.comm(), out / resume::checkpoint, SearchLog::levels);
@@ -41,11 +41,11 @@ void restore_steps(problem::Problem& problem, const std::filesystem::path& out) 
       step_lengths ? step::TimeGrid::of_levels(*step_lengths, levels) : std::nullopt;
   if (!grid)
     throw UserError(
-        "--resume: found a checkpoint with other lengths of steps, allowed is that of this scene");
+        "--resume: the checkpoint has other step lengths than this scene; start the search again");
   problem.grid = *grid;
 }
 
-/// The problem that a scene leaves to a search, with all its parts.
+/// Search problem of a scene, with all its parts.
 class Searched {
 public:
   Searched(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
@@ -81,7 +81,7 @@ public:
             control_ ? &*control_ : nullptr,
             parameters_ ? &*parameters_ : nullptr};
   }
-  /// Null for parameters alone.
+  /// The control problem; null if only parameters are searched.
   [[nodiscard]] problem::ControlProblem* control() { return control_ ? &*control_ : nullptr; }
 
 private:
@@ -93,8 +93,8 @@ private:
   std::optional<problem::ParameterProblem> parameters_;
 };
 
-/// Searches a control, and parameters beside it, by a method: from the checkpoint, from the result on coarse
-/// meshes or from the first guess.
+/// Searches a control, with or without parameters beside it, by a method: from the checkpoint, from the
+/// result on coarse meshes or from the first guess.
 template <template <optimize::TwiceDifferentiable> class Method>
 SearchEnd minimised(const SearchSubject& subject, problem::ControlProblem& control, SearchLog& log,
                     const Console& console) {
@@ -114,7 +114,7 @@ SearchEnd minimised(const SearchSubject& subject, problem::ControlProblem& contr
   return end;
 }
 
-/// The state of a fit between two iterations, J being evaluated anew.
+/// State of a fit between two iterations; J is evaluated again when it is restored.
 struct FitState {
   optimize::GaussNewtonIterate& iteration;
   double objective;
@@ -128,14 +128,14 @@ struct FitState {
   }
 };
 
-/// Where a fit starts: at the scene's values, or where another stopped; `restored` receives which.
+/// Start of a fit: the scene's values or, with `restored` set, those of the checkpoint.
 optimize::GaussNewtonIterate fit_start(const SearchSubject& subject, SearchLog& log, bool& restored) {
   optimize::GaussNewtonIterate start{.x = subject.parameters->misfit.start(), .at = {}};
   const std::size_t count = start.x.size();
   FitState state{start, 0};
   restored = log.restore(state);
   if (start.x.size() != count)
-    throw UserError("--resume: the checkpoint's \"x\" is damaged; allowed is a whole checkpoint");
+    throw UserError("--resume: the checkpoint's \"x\" is damaged; use an undamaged checkpoint");
   start.at = subject.reduced.least_squares(control::Variables(start.x));
   if (restored)
     log.restored(state.objective, start.at.value());
@@ -150,7 +150,7 @@ SearchEnd fitted(const SearchSubject& subject, SearchLog& log) {
   const auto attempt = [&](std::span<const double> x) -> std::optional<optimize::LeastSquares> {
     try {
       return subject.reduced.least_squares(control::Variables(std::vector(x.begin(), x.end())));
-    } catch (const UserError& error) { // the scene is none at these values
+    } catch (const UserError& error) { // the scene is invalid at these values
       end.failure = error.what();
     } catch (const SolverFailure& error) {
       end.failure = error.what();
@@ -215,10 +215,9 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
     on_root(comm, [&] {
       std::error_code missing;
       if (std::filesystem::equivalent(out, run->folder, missing))
-        throw UserError(
-            fmt::format("--out: found the folder of objective.desired.run, {}, whose files this run "
-                        "would replace, allowed is another",
-                        run->folder.string()));
+        throw UserError(fmt::format("--out: {} is the folder of objective.desired.run, whose files this run "
+                                    "would replace; choose another folder",
+                                    run->folder.string()));
     });
 }
 
@@ -227,14 +226,13 @@ optimize::Options search_options(const control::ControlSpace& controls, const sc
   const double each = controls.compact_bytes(), usual = std::max(usual_bytes, usual_controls * each),
                memory = scene.memory > 0 ? scene.memory : usual;
   if (memory < least_controls * each)
-    throw UserError(
-        fmt::format("optimizer.memory: found {:.10g} bytes, allowed is the room of {} controls in "
-                    "single precision at least, here {:.10g} bytes",
-                    memory, least_controls, least_controls * each));
+    throw UserError(fmt::format("optimizer.memory: found {:.10g} bytes; expected room for at least {} "
+                                "controls in single precision, here {:.10g} bytes",
+                                memory, least_controls, least_controls * each));
   optimize::Options options{.max_iterations = scene.max_iterations,
                             .tolerance = *scene.tolerance,
                             .vectors = static_cast<std::size_t>(memory / each)};
-  options.bundle.dependent = 10 * std::numeric_limits<float>::epsilon(); // of vectors in single precision
+  options.bundle.dependent = 10 * std::numeric_limits<float>::epsilon(); // vectors are in single precision
   return options;
 }
 

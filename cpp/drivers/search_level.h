@@ -7,8 +7,8 @@
 
 namespace signorini::drivers {
 
-/// A scene's problem on one mesh with one sequence of steps, and the search there, which goes on from that on
-/// another mesh. The method is one of Lbfgs, NewtonCg, ProjectedGradient. All members collective.
+/// Problem of a scene on one mesh with one sequence of steps, and the search on it, which can start from the
+/// search on another mesh. The method is one of Lbfgs, NewtonCg, ProjectedGradient. All members collective.
 template <template <optimize::TwiceDifferentiable> class Method>
 class SearchLevel {
 public:
@@ -16,8 +16,8 @@ public:
   using State = optimize::State<Unknowns, Method<Unknowns>>;
   using Inheritance = typename SearchStart<Method>::Inheritance;
 
-  /// Steps of varying length are chosen by a motion under what `last`, if given, has found. Throws UserError,
-  /// SolverFailure, Interrupted.
+  /// Sets up the problem. Steps of varying length are chosen by a motion under the control that `last`, if
+  /// given, has found. Throws UserError, SolverFailure, Interrupted.
   SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
               step::Stepper::Needs needs = {.derivatives = true})
       : scene_(std::move(scene)),
@@ -43,7 +43,7 @@ public:
     first_norm_ = end.first_norm;
   }
 
-  /// What the search found, on another mesh.
+  /// Start of a search on another mesh: the result of this one, interpolated.
   [[nodiscard]] SearchStart<Method> on(problem::ControlProblem& finer,
                                        const optimize::Options& options) const {
     const control::Interpolation interpolate(control_problem_.controls, finer.controls);
@@ -55,11 +55,11 @@ public:
   }
 
   [[nodiscard]] optimize::Stop stop() const { return stop_; }
-  /// The norm of the gradient at the first guess.
+  /// Gradient norm at the first guess.
   [[nodiscard]] double first_norm() const { return first_norm_; }
   [[nodiscard]] State& state() { return *last_; }
 
-  /// The level in figures, but for its seconds.
+  /// Figures of the level, without its seconds.
   [[nodiscard]] io::CoarseLevel record() const {
     const control::ReducedProblem& reduced = control_problem_.reduced;
     return {.size = scene_.mesh.size.value_or(scene_.mesh.scale),
@@ -74,7 +74,7 @@ public:
   }
 
 private:
-  /// Keeps the state in which a search ends; shows certificates to reports that take them.
+  /// Stores the last state of a search; passes certificates to reports that take them.
   template <class Report>
   struct LastState {
     Report& report;

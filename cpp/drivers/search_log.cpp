@@ -41,7 +41,7 @@ std::vector<double> numbers(const io::Kink& kink) {
 }
 
 std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim) {
-  constexpr std::size_t head = 3; // of the kink, and of each candidate before its place
+  constexpr std::size_t head = 3; // entries of the kink, and of each candidate before its point
   const std::size_t each = head + static_cast<std::size_t>(dim);
   if (numbers.size() < head || (numbers.size() - head) % each != 0)
     return std::nullopt;
@@ -187,27 +187,27 @@ void SearchLog::read(io::CheckpointReader& in) {
   in("history", history_.numbers);
   history_.columns = io::History::split(columns);
   if (history_.numbers.empty() || history_.numbers.size() % history_.columns.size() != 0)
-    in.fail("\"history\" is damaged; allowed is a whole checkpoint");
+    in.fail("\"history\" is damaged; use an undamaged checkpoint");
   in("seconds", earlier_);
   std::vector<double> sweeps, kink;
   in("sweeps", sweeps);
   if (sweeps.size() != 2)
-    in.fail("\"sweeps\" is damaged; allowed is a whole checkpoint");
+    in.fail("\"sweeps\" is damaged; use an undamaged checkpoint");
   marked_ = {static_cast<int>(sweeps[0]), static_cast<int>(sweeps[1])};
   in("kink", kink);
   if (!kink.empty()) {
     kink_ = kink_of(kink, subject_.discretisation.space.dim());
     if (!kink_)
-      in.fail("\"kink\" is damaged; allowed is a whole checkpoint");
+      in.fail("\"kink\" is damaged; use an undamaged checkpoint");
   }
 }
 
 void SearchLog::restored(double stored, double found) {
-  // Of data without noise J itself is rounding.
+  // If the data have no noise J itself is rounding.
   const double least = subject_.control ? 0 : static_cast<double>(subject_.parameters->misfit.count());
   resume::require_same_value(file_, stored, found, std::max(std::abs(stored), least));
   evaluated_ = true;
-  subject_.reduced.count_from(marked_); // those since are repeated
+  subject_.reduced.count_from(marked_); // later sweeps are repeated
   stored_at_ = static_cast<int>(history_.last("iteration"));
   start_ = Clock::now();
   if (progress_)

@@ -19,20 +19,19 @@ namespace signorini::drivers {
 [[nodiscard]] io::Kink describe(control::ReducedProblem& reduced,
                                 const optimize::Certificate<control::Variables>& certificate);
 
-/// A kink as numbers, in which a checkpoint stores it.
+/// Converts a kink to the numbers that a checkpoint stores.
 [[nodiscard]] std::vector<double> numbers(const io::Kink& kink);
 
-/// A kink from those numbers, in `dim` dimensions; none if they are not such.
+/// Restores a kink from numbers(), in `dim` dimensions; none if they are invalid.
 [[nodiscard]] std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim);
 
-/// The problem that a search works on, of a control, the parameters of a scene, or both. Null parts are
-/// absent.
+/// Problem of a search for a control, for the parameters of a scene, or for both. Null parts are absent.
 struct SearchSubject {
-  const scene::Scene& scene; ///< as it is written into the results
+  const scene::Scene& scene; ///< scene as written into the results
   const problem::Discretisation& discretisation;
   control::ReducedProblem& reduced;
   Timers& timers;
-  const problem::Problem* problem = nullptr; ///< whose steps a control has
+  const problem::Problem* problem = nullptr; ///< defines the steps of a control
   const problem::ControlProblem* control = nullptr;
   const problem::ParameterProblem* parameters = nullptr;
 
@@ -42,20 +41,20 @@ struct SearchSubject {
   }
 };
 
-/// Output of a search while it runs: progress, history.csv in the folder, a row for each iterate as soon as
-/// it is made, and checkpoint.h5. The `report` and the `checkpointer` of optimize::minimize(). All members
+/// Output of a search while it runs: progress, history.csv in the folder, with a row as soon as there is an
+/// iterate, and checkpoint.h5. Serves as `report` and `checkpointer` of optimize::minimize(). All members
 /// collective.
 class SearchLog {
 public:
   /// The checkpoint's entry for the solver of the steps, and its value for conjugate gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
-  static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
+  static constexpr const char* levels = "levels"; ///< the checkpoint's entry for step lengths, if they vary
 
-  /// Whether files are in place while the search runs, or with its results.
+  /// Time at which files are put in place: while the search runs, or with its results.
   enum class Files { early, with_results };
 
-  /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
-  /// outlive this object.
+  /// Prepares the output. With `resume` the search continues from the folder's checkpoint, if there is one.
+  /// The references must outlive this object.
   SearchLog(const SearchSubject& subject, const io::OutputFolder& folder, bool resume, const Console& console,
             Files files = Files::early);
 
@@ -90,7 +89,7 @@ public:
     return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
   }
 
-  /// Takes the counts of sweeps that a checkpoint stores until the next mark.
+  /// Stores the counts of sweeps that checkpoints contain until the next mark.
   void mark() { marked_ = subject_.reduced.sweeps(); }
 
   /// Describes the kink at which the search ends. Throws Interrupted.
@@ -123,7 +122,7 @@ public:
   /// Ends the display of progress.
   void end() { progress_.reset(); }
 
-  /// The history of the whole search, iterations before it was resumed included.
+  /// History of the whole search, with the iterations before it was resumed.
   [[nodiscard]] const io::History& history() const { return history_; }
   /// Seconds of the whole search.
   [[nodiscard]] double seconds() const;
@@ -138,7 +137,7 @@ private:
   void write(io::CheckpointWriter& out) const;
   /// The scene as text.
   [[nodiscard]] std::string echoed() const;
-  /// Adds a row, whose parameters are those of x; returns θ.
+  /// Adds a row with the parameters at x; returns θ.
   std::vector<double> add(io::History::Row row, std::span<const double> x);
   /// Starts history.csv with the rows so far, or adds the last one.
   void show_row();
@@ -150,7 +149,7 @@ private:
   Files files_;
   int every_, stored_at_ = -1;
   bool resumes_, evaluated_ = false;
-  std::optional<Progress> progress_; ///< of a control alone; others print a line for each iterate
+  std::optional<Progress> progress_; ///< only for a control alone; others print a line for each iterate
   Clock::time_point start_ = Clock::now();
   double reference_norm_ = 0;
   double earlier_ = 0; ///< seconds of the search before it was resumed

@@ -41,7 +41,7 @@ private:
   std::optional<problem::GivenControl> given_;
 };
 
-/// How the states of motions were stored, and its cost, in words.
+/// Describes how the states of motions were stored, and the cost.
 std::string storage_line(const problem::Problem& problem, const problem::ControlProblem& control_problem) {
   const auto seconds = [&](const char* phase) {
     const auto found = problem.timers.entries().find(phase);
@@ -54,19 +54,19 @@ std::string storage_line(const problem::Problem& problem, const problem::Control
     return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
                        seconds("states written"), seconds("states read"));
   if (kept == scene::Storage::checkpoints)
-    return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
+    return fmt::format("states in checkpoints of {:.3g} MB: {} steps recomputed in {:.1f} s",
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
                        seconds("states recomputed"));
   return fmt::format("states in memory, {} a motion", room);
 }
 
-/// How to continue a search that stopped before its end, in words.
+/// Advice on continuing a search that stopped before its end; else empty.
 std::string continuation(optimize::Stop stop, const SearchSubject& subject) {
   if (!subject.problem || subject.scene.optimizer.checkpoint == 0)
     return "";
-  return stop == optimize::Stop::interrupted ? "; the same command with --resume goes on from here"
+  return stop == optimize::Stop::interrupted ? "; the same command with --resume continues from here"
          : stop == optimize::Stop::iteration_limit
-             ? "; the same command with --resume and a larger optimizer.max_iterations goes on from here"
+             ? "; the same command with --resume and a larger optimizer.max_iterations continues from here"
              : "";
 }
 
@@ -96,8 +96,8 @@ void show(const io::Kink& kink, double first_norm, const Console& console) {
     console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
 }
 
-/// Warns if a search ended without a minimum where candidates open and close from step to step, which breaks
-/// J into many small pieces.
+/// Warns if a search ended without a minimum where candidates open and close from step to step, so that J
+/// consists of many short smooth parts.
 void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced, const Console& console) {
   const diagnostics::Alternations found = diagnostics::alternations(reduced.trajectory().contact());
   const std::string other = diagnostics::calmer_contact(reduced.stepper());
@@ -105,15 +105,14 @@ void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced,
     return;
   manifest.warnings.push_back(
       {"search among chattering contact",
-       fmt::format(
-           "the search found no further decrease where contact chatters: candidates open or close for "
-           "a single step {} times while {} are closed over all steps; {}",
-           found.alternating, found.closed, other),
+       fmt::format("the search found no further decrease where contact chatters: candidates switch for a "
+                   "single step {} times, {} are closed over all steps; {}",
+                   found.alternating, found.closed, other),
        static_cast<double>(found.alternating), 0});
   console.line("warning: " + manifest.warnings.back().message);
 }
 
-/// Writes the motion's files; with parameters it also returns what was measured.
+/// Writes the motion's files; with parameters also returns the values to compare with the measured ones.
 Simulated write_motion(const SearchSubject& subject, const SearchPoint& found, MotionWriter& recorder) {
   const problem::Problem& problem = found.problem();
   if (subject.parameters)
@@ -125,7 +124,7 @@ Simulated write_motion(const SearchSubject& subject, const SearchPoint& found, M
   return {};
 }
 
-/// The parameters found, and how well the data identify them.
+/// Fitted parameters, and how well the data identify them.
 io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchEnd& end,
                Simulated simulated) {
   const problem::ParameterProblem& parameters = *subject.parameters;
@@ -136,14 +135,14 @@ io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchE
   }
   control::ReducedProblem& reduced = subject.reduced;
   const std::vector<double>& x = reduced.variables().x;
-  const auto sweeps = reduced.sweeps(); // those for output do not count
+  const auto sweeps = reduced.sweeps(); // sweeps for output do not count
   io::Fit fit = outcome(parameters,
                         {.number = static_cast<int>(log.history().last("iteration")),
                          .x = x,
                          .at = reduced.least_squares(reduced.variables(), trajectory::Stops::ignored)},
                         simulated.values);
   fit.compared = std::move(simulated.compared);
-  fit.decrement.reset(); // which leaves the control's part of J out
+  fit.decrement.reset(); // it leaves out the control's part of J
   const std::vector<double> by_x = reduced.gradient_by_parameters(), slopes = parameters.misfit.slopes(x);
   for (std::size_t j = 0; j < x.size(); ++j)
     fit.unknowns[j].gradient = by_x[j] / slopes[j];
@@ -151,7 +150,7 @@ io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchE
   return fit;
 }
 
-/// J, what it consists of, and what the search has cost.
+/// Line with J, its parts and the cost of the search.
 std::string end_line(const SearchSubject& subject, const SearchLog& log, const SearchEnd& end) {
   const io::History& history = log.history();
   const control::ReducedProblem::Sweeps sweeps = subject.reduced.sweeps();
@@ -171,7 +170,7 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
                      *subject.scene.optimizer.tolerance * end.first_norm, cost);
 }
 
-/// The tables of a search.
+/// Writes the tables of a search and its scene.
 void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const SearchLog& log,
                   const std::optional<io::Fit>& fit) {
   const scene::Output& output = subject.scene.output;
@@ -184,13 +183,13 @@ void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const 
   folder.write("scene.toml", scene::echo(subject.scene, subject.discretisation.space.dim()));
 }
 
-/// The part of run.json that is a search's, with its warnings, which are printed.
+/// Adds the entries of a search to run.json, and prints its warnings.
 void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& log, SearchEnd& end,
                 const Console& console) {
   const control::ReducedProblem& reduced = subject.reduced;
   if (subject.control) {
     m.objective = reduced.value();
-    m.objective->misfit = 0; // which the fit has
+    m.objective->misfit = 0; // it is part of the fit
     if (end.stop == optimize::Stop::no_decrease)
       add_chatter(m, reduced, console);
   }

@@ -5,18 +5,18 @@
 
 namespace signorini::drivers {
 
-/// How a search has ended.
+/// Reason for the end of a search, with its figures.
 struct SearchEnd {
   optimize::Stop stop;
-  double first_norm = std::numeric_limits<double>::quiet_NaN(); ///< of the gradient, at the first guess
-  std::optional<optimize::GaussNewtonIterate> fitted{};         ///< of parameters alone
-  std::string failure{};                                        ///< of the last trial that failed
+  double first_norm = std::numeric_limits<double>::quiet_NaN(); ///< gradient norm at the first guess
+  std::optional<optimize::GaussNewtonIterate> fitted{};         ///< last iterate for parameters alone
+  std::string failure{};                                        ///< message of the last trial that failed
   std::vector<io::CoarseLevel> levels{};
   std::optional<io::Accuracy> accuracy{};
 };
 
-/// Writes the results of a search, whose point is the reduced problem's current one or the fitted one, puts
-/// them in place and reports them. Collective. Throws UserError, SolverFailure, WriteFailure.
+/// Writes the results of a search at the reduced problem's current point or at the fitted one, puts them in
+/// place and reports them. Collective. Throws UserError, SolverFailure, WriteFailure.
 void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console);
 
 } // namespace signorini::drivers

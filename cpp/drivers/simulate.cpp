@@ -13,7 +13,7 @@
 namespace signorini::drivers {
 namespace {
 
-/// A motion under the scene's given control, with all that is recorded of it on the way.
+/// Motion under the scene's given control, with all recorders of it.
 class Simulation {
 public:
   /// Collective. Throws UserError.
@@ -56,10 +56,10 @@ public:
   [[nodiscard]] bool complete() const { return problem_.grid.complete() && steps_ == problem_.steps(); }
   [[nodiscard]] MotionWriter& recorder() { return *recorder_; }
   [[nodiscard]] const std::optional<SyntheticData>& data() const { return data_; }
-  /// Why J is not known though the scene has an objective; empty else.
+  /// Reason why J is not known though the scene has an objective; else empty.
   [[nodiscard]] const std::string& unknown() const { return unknown_; }
 
-  /// The part of run.json that is a simulation's, with its warnings, which are printed. Collective.
+  /// Entries of run.json for a simulation; prints its warnings. Collective.
   [[nodiscard]] io::Manifest described(const Console& console) {
     io::Manifest m = manifest(problem_, "simulate", complete() ? "end of time" : "interrupted", steps_);
     if (m.lengths)
@@ -73,7 +73,7 @@ public:
   }
 
 private:
-  /// A desired run that is missing or another's is no reason not to simulate.
+  /// Sets up J, if the scene has one. A desired run that is missing or invalid does not stop the simulation.
   void start_objective() {
     if (!problem_.scene.objective)
       return;
@@ -136,7 +136,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
     console.line("J is not known: " + simulation.unknown());
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
-  if (simulation.data() && complete) // before the results are in place: they stand for data that are written
+  if (simulation.data() && complete) // before the results, whose presence implies that the data are written
     for (const std::string& line : simulation.data()->write(options.seed))
       console.line(line);
   finish(folder, console);

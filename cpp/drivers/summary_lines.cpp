@@ -8,10 +8,10 @@
 namespace signorini::drivers {
 namespace {
 
-/// Units of a body in the plane are those of a slice of it.
+/// Unit of an extensive figure; in the plane it is per unit of depth.
 std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
 
-/// What is rounding beside the largest component is 0.
+/// Components of a vector as text; those that are rounding beside the largest one are 0.
 std::string components(std::array<double, 3> x, int dim) {
   constexpr double rounding = 1e-9;
   const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
@@ -21,7 +21,7 @@ std::string components(std::array<double, 3> x, int dim) {
   return fmt::format("({:.4g})", fmt::join(x.begin(), x.begin() + dim, ", "));
 }
 
-/// The second figure where it says more than the first: that of all nodal forces by modulus.
+/// Text on the sum of the moduli of nodal forces, if it exceeds their resultant noticeably; else empty.
 std::string by_modulus(double resultant, double normal) {
   constexpr double alike = 1e-3;
   return normal - resultant > alike * normal ? fmt::format(" ({:.4g} by modulus)", normal) : "";
@@ -49,7 +49,7 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
       per_depth("N", dim), touch.sustained_over);
 }
 
-/// Velocities before and after, and what restitution that is.
+/// Text on the velocities before and after a rebound, and its restitution.
 std::string velocities(const diagnostics::Rebound& rebound, bool ended, int dim) {
   return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, dim),
                      components(rebound.after, dim), ended ? "after" : "at the end, still in contact",
@@ -65,7 +65,7 @@ std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std:
                      velocities(one, ended, dim));
 }
 
-/// The first of several bounces one by one.
+/// Adds a line for each of the first bounces, if there are several.
 void add_bounces(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
   constexpr std::size_t most = 5;
   const std::size_t number = impact.bounces.size();
@@ -75,7 +75,7 @@ void add_bounces(const diagnostics::Impact& impact, int dim, std::vector<std::st
     lines.emplace_back("  the others are in run.json, as impact.bounces");
 }
 
-/// Number of bounces and touches; empty of a single touch.
+/// Number of bounces and touches as text; empty for a single touch.
 std::string over_all(const diagnostics::Impact& impact) {
   const std::size_t bounces = impact.bounces.size(), touches = static_cast<std::size_t>(impact.whole.touches);
   if (touches == 1)
@@ -89,9 +89,8 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
     lines.push_back("contact: none; " + nearest(impact.all));
     return;
   }
-  lines.emplace_back(
-      "contact (impulse and the time from 1 to 99 % of it converge with step and size, the sustained peak "
-      "where the force is smooth; first and last touch and the peak of two steps need not):");
+  lines.emplace_back("contact (impulse, its time from 1 to 99 % and, if the force is smooth, its sustained "
+                     "peak converge; touch times and two-step peaks need not):");
   for (const diagnostics::Touch& one : impact.obstacles)
     lines.push_back(touch_line(one.name, one, dim));
   if (std::ranges::count_if(impact.obstacles, &diagnostics::Touch::occurred) > 1)
@@ -131,8 +130,8 @@ std::vector<std::string> summary_lines(const io::Manifest& manifest) {
     add_energy(*manifest.energy, manifest.dim, lines);
   if (manifest.von_mises)
     lines.push_back(fmt::format(
-        "largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s{}; "
-        "{:.4g} Pa recovered from the cells around it",
+        "largest stored von Mises stress: {:.4g} Pa in the cell at {} m, {:.6g} s{}; {:.4g} Pa recovered "
+        "from the cells around it",
         manifest.von_mises->stress.largest.value,
         components(manifest.von_mises->stress.largest.at, manifest.dim), manifest.von_mises->time,
         stress_at_onset(manifest) ? ", as contact begins" : "", manifest.von_mises->stress.recovered));

@@ -2,13 +2,13 @@
 #pragma once
 #include "io/manifest.h"
 
-/// What a simulation tells at its end.
+/// Summary that a simulation prints at its end.
 namespace signorini::drivers {
 
-/// Contact and energy of the motion in words, line by line; none of what is not known.
+/// Lines on contact and energy of the motion; figures that are not known are left out.
 std::vector<std::string> summary_lines(const io::Manifest& manifest);
 
-/// Steps, seconds and bytes in words: "1500 steps in 0.2 s; …". `bytes`: of all files.
+/// Line on steps, seconds and bytes: "1500 steps in 0.2 s; …". `bytes`: size of all files.
 std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, const Timers& timers,
                       double bytes);
 

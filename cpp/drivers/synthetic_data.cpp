@@ -31,8 +31,8 @@ constexpr const char* author = "signorini simulate --measure";
 
 fs::path note_of(const fs::path& file) { return file.string() + ".measured"; }
 
-/// The digests in a note, empty without one: of the file as it was written, and of the one that it replaced.
-/// A process that is killed between note and file thus leaves a file that the note knows.
+/// Digests in a note, empty without one: of the file as it was written, and of the one that it replaced. If a
+/// process is killed between note and file, the note still identifies the file that is left.
 std::vector<std::string> digests_in(const fs::path& note) {
   std::vector<std::string> digests;
   std::ifstream in(note, std::ios::binary);
@@ -47,7 +47,7 @@ std::vector<std::string> digests_in(const fs::path& note) {
 
 std::string digest_of(const fs::path& file) { return Digest().add(scene::read_file(file)).text(); }
 
-/// Writes a file beside its place, under a name that no other process takes. Throws UserError.
+/// Writes a file beside its place, under a name that no other process uses. Throws UserError.
 fs::path staged(const fs::path& file, const std::string& text) {
   const fs::path part = file.parent_path() / fmt::format(".{}.{}", file.filename().string(), getpid());
   std::ofstream out(part, std::ios::binary);
@@ -56,8 +56,7 @@ fs::path staged(const fs::path& file, const std::string& text) {
     return part;
   std::error_code ignored;
   fs::remove(part, ignored);
-  throw UserError(fmt::format("{}: the data cannot be written there, allowed is a folder that can be written",
-                              file.string()));
+  throw UserError(fmt::format("{}: the data cannot be written there; choose another folder", file.string()));
 }
 
 /// Writes files and their notes, all of them or none but for a failure between two renames. Throws UserError.
@@ -85,9 +84,8 @@ void write_files(const std::map<fs::path, std::string>& files) {
     std::error_code error;
     fs::rename(part, place, error);
     if (error)
-      throw UserError(
-          fmt::format("{}: the data cannot be written there ({}), allowed is a folder that can be written",
-                      place.string(), error.message()));
+      throw UserError(fmt::format("{}: the data cannot be written there ({}); choose another folder",
+                                  place.string(), error.message()));
   }
 }
 
@@ -96,35 +94,31 @@ void require_ours(const fs::path& file, const scene::Scene& scene, const fs::pat
   std::error_code none;
   if (fs::weakly_canonical(file.parent_path(), none) == fs::weakly_canonical(fs::absolute(out), none) &&
       io::OutputFolder::writes(file.filename().string()))
-    throw UserError(fmt::format(
-        "--measure: {} is a file of the run itself; allowed is another measurement.file", file.string()));
+    throw UserError(fmt::format("--measure: {} is a file of the run itself; choose another measurement.file",
+                                file.string()));
   const fs::path note = note_of(file);
   const std::vector<std::string> known = digests_in(note);
   if (known.empty() && fs::exists(fs::symlink_status(note, none)))
-    throw UserError(fmt::format(
-        "--measure: {} is in the way of the note beside the data; allowed is to move it", note.string()));
+    throw UserError(
+        fmt::format("--measure: {} is in the way of the note beside the data; move it", note.string()));
   if (!fs::exists(fs::symlink_status(file, none)))
     return;
   if (!replace)
-    throw UserError(
-        fmt::format("--measure: {} is there already and stays as it is: a fit takes these data; allowed "
-                    "with --replace",
-                    file.string()));
+    throw UserError(fmt::format(
+        "--measure: {} exists and stays as it is, since a fit may use it; overwrite it with --replace",
+        file.string()));
   for (const scene::NamedSeries& series : scene::time_series(scene))
     if (fs::equivalent(series.file, file, none))
-      throw UserError(fmt::format("--measure: {} is a table that the scene reads; allowed is another "
-                                  "measurement.file",
-                                  file.string()));
+      throw UserError(fmt::format(
+          "--measure: {} is a table that the scene reads; choose another measurement.file", file.string()));
   if (known.empty() || !fs::is_regular_file(file, none))
-    throw UserError(
-        fmt::format("--measure: {} was not written by simulate --measure (there is no {}), and stays as "
-                    "it is; allowed is another measurement.file, or to move it",
-                    file.string(), note.filename().string()));
+    throw UserError(fmt::format("--measure: {} was not written by simulate --measure (there is no {}), and "
+                                "stays as it is; choose another measurement.file, or move it",
+                                file.string(), note.filename().string()));
   if (std::ranges::find(known, digest_of(file)) == known.end())
-    throw UserError(
-        fmt::format("--measure: {} has changed since simulate --measure wrote it, and stays as it is; "
-                    "allowed is another measurement.file, or to move it",
-                    file.string()));
+    throw UserError(fmt::format("--measure: {} has changed since simulate --measure wrote it, and stays as "
+                                "it is; choose another measurement.file, or move it",
+                                file.string()));
 }
 
 } // namespace
@@ -132,24 +126,23 @@ void require_ours(const fs::path& file, const scene::Scene& scene, const fs::pat
 void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                         bool replace) {
   if (std::ranges::none_of(scene.measurements, &scene::Measurement::fitted))
-    throw UserError("--measure: found a scene without measurements of values, allowed with [[measurement]]");
+    throw UserError("--measure: the scene measures no values; add a table [[measurement]]");
   std::map<std::filesystem::path, std::vector<std::string>> columns;
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
     const scene::Measurement& one = scene.measurements[i];
     if (!one.fitted())
       continue;
     if (!one.deviation && !one.noise)
-      throw UserError(fmt::format("--measure: {} has neither deviation nor noise, allowed with one of them",
+      throw UserError(fmt::format("--measure: {} has neither deviation nor noise; give one of them",
                                   scene::measurement_key(i)));
     std::vector<std::string>& names = columns[*one.file];
     if (one.column == "time")
       throw UserError(
-          fmt::format("--measure: {}.column: found \"time\", which is the column of times, allowed is "
-                      "another",
+          fmt::format("--measure: {}.column: found \"time\", which is the column of times; choose another",
                       scene::measurement_key(i)));
     if (std::ranges::find(names, one.column) != names.end())
       throw UserError(fmt::format("--measure: {}.column: found \"{}\", which another measurement has in the "
-                                  "same file, allowed is another",
+                                  "same file; choose another",
                                   scene::measurement_key(i), one.column));
     names.push_back(one.column);
   }

@@ -7,13 +7,13 @@
 
 namespace signorini::drivers {
 
-/// Throws UserError unless a simulation into the folder `out` can write the files of a scene's measurements:
-/// each measurement has a deviation, and each file is absent or, with `replace`, as SyntheticData::write()
-/// left it. Files that the run itself reads or writes are refused. Collective.
+/// Throws UserError unless a simulation into the folder `out` can write the files of a scene's measurements.
+/// Each measurement must have a deviation, and each file be absent or, with `replace`, as
+/// SyntheticData::write() left it. Files that the run itself reads or writes are refused. Collective.
 void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                         bool replace);
 
-/// Data for a fit from a simulation: what the scene's measurements are at the ends of all steps. All members
+/// Synthetic data for a fit: the scene's measurements in a simulation, at the ends of all steps. All members
 /// collective.
 class SyntheticData {
 public:
@@ -23,9 +23,9 @@ public:
   /// Takes the frame after the last one, from frame 0 on.
   void observe(const trajectory::Frame& frame) { measurements_.observe(frame); }
 
-  /// Writes the files with normal noise of the deviations that the scene says, by a seed; 0: none. Beside
-  /// each goes a note, FILE.measured, with its digest and that of the file that it replaces. Returns what was
-  /// written, in words. Throws UserError.
+  /// Writes the files, with normal noise of the scene's deviations generated from `seed` (0: no noise).
+  /// Writes a note FILE.measured beside each, with its digest and that of the file that it replaces. Returns
+  /// lines on the files written. Throws UserError.
   [[nodiscard]] std::vector<std::string> write(int seed) const;
 
 private:

@@ -27,12 +27,12 @@ double determinant(Entry&& f) {
          f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
 
-/// The largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula; 0 if it is less
-/// than `least` for sure.
+/// Largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula; 0 if it is certainly
+/// less than `least`.
 double principal_strain(const Gradient& G, double least) {
   const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
   const double mean = (e(0, 0) + e(1, 1) + e(2, 2)) / 3;
-  double square = 0; // of the deviator
+  double square = 0; // squared norm of the deviator
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       square += std::pow(e(i, j) - (i == j ? mean : 0), 2);
@@ -132,13 +132,13 @@ Deformation deformation(const Space& space, Vec y) {
   const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
   const auto& geometry = space.mesh().dolfinx()->geometry();
   Deformation found;
-  const std::size_t samples = space.degree() == 1 ? 1 : vertices; // of a cell; constant for degree 1
+  const std::size_t samples = space.degree() == 1 ? 1 : vertices; // per cell; ∇y is constant for degree 1
   const std::vector<std::int32_t> cells = space.mesh().owned_cells();
   std::vector<double> strains, rotations;
   double most = 0;
   for (const std::int32_t cell : cells) {
     const Simplex simplex(dim, dolfinx_versions::vertices(geometry, cell));
-    std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
+    std::array<Simplex::Point, 4> slope{}; // gradients of the barycentric coordinates
     for (int i = 0; i <= dim; ++i)
       slope[i] = simplex.gradient(i);
     const auto dofs = dofmap->cell_dofs(cell);

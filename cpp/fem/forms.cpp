@@ -39,10 +39,9 @@ void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts
     for (std::int32_t cell : parts[p].cells) {
       std::size_t& part = part_of[static_cast<std::size_t>(cell)];
       if (part != none)
-        throw UserError(
-            fmt::format("material: the cell at {} is in the groups \"{}\" and \"{}\" of two materials, "
-                        "allowed is one material for every cell",
-                        place(mesh, cell), *parts[part].material.on, *parts[p].material.on));
+        throw UserError(fmt::format("material: the cell at {} is in the groups \"{}\" and \"{}\" of two "
+                                    "materials; give every cell one material",
+                                    place(mesh, cell), *parts[part].material.on, *parts[p].material.on));
       part = p;
     }
   const auto found = std::ranges::find(part_of, none);
@@ -52,8 +51,7 @@ void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts
   for (const Part& part : parts)
     groups.push_back(*part.material.on);
   throw UserError(
-      fmt::format("material: the cell at {} is in no group of a material ({}), allowed is one material for "
-                  "every cell",
+      fmt::format("material: the cell at {} is in no group of a material ({}); give every cell one material",
                   place(mesh, static_cast<std::int32_t>(found - part_of.begin())), list(groups)));
 }
 
@@ -119,7 +117,7 @@ using Compiled = dolfinx::fem::Form<PetscScalar, double>;
 
 using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<PetscScalar>>>;
 
-/// The constants of forms and fields by their names there. One without viscosity has that of zero.
+/// Constants of forms and fields, by their names there; viscosities of zero for a material without viscosity.
 Constants constants(const scene::Material& material, double tau) {
   const auto constant = [](double value) {
     return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
@@ -138,7 +136,7 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   const ufcx_form& code = *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form));
-  // By the generated code: dolfinx leaves out what it is not given entities for.
+  // Check the generated code, since dolfinx leaves out integrals without entities.
   constexpr int types = 3; // cells, exterior and interior facets
   const int at = code.form_integral_offsets[static_cast<int>(type)];
   if (code.form_integral_offsets[types] != 1 || at != 0 ||
@@ -178,8 +176,8 @@ petsc::Matrix symmetric(petsc::Matrix matrix) {
   return matrix;
 }
 
-/// The facets that this rank owns, each as a pair of a cell and the facet's number in it. Of the two cells of
-/// an inner facet either will do, as functions of V are continuous.
+/// Facets that this rank owns, each as a pair of a cell and the facet's number in it. For an inner facet
+/// either of its cells will do, as functions of V are continuous.
 std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32_t>& facets) {
   const auto topology = space.mesh().dolfinx()->topology();
   const int dim = topology->dim();
@@ -215,8 +213,7 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
              : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
-/// The diagonal of a form at the virtual nodes (virtual nodes × dim); of d as the forms say, D = m + τ/2 b +
-/// τ²/4 a.
+/// Diagonal of a form at the virtual nodes (virtual nodes × dim); for d it is m + τ/2 b + τ²/4 a.
 std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) {
   std::vector<double> diagonal;
   for (const VirtualNode& node : space.layout().virtual_nodes())
@@ -292,7 +289,7 @@ struct CellFields::Expressions {
     std::vector<Expression> of_parts;
     bool current = false; ///< whether the values are those of the last motion set
   };
-  std::map<CellField, Field> fields; ///< those that have been asked for
+  std::map<CellField, Field> fields; ///< fields evaluated so far
 
   Field& of(CellField field) {
     if (const auto found = fields.find(field); found != fields.end())
@@ -309,7 +306,7 @@ struct CellFields::Expressions {
     return fields.emplace(field, std::move(made)).first->second;
   }
 
-  /// Of the last motion set.
+  /// Values of a field for the motion last set.
   const Function& now(CellField field) {
     Field& found = of(field);
     for (std::size_t i = 0; !found.current && i < found.of_parts.size(); ++i)

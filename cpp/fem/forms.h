@@ -15,7 +15,7 @@ namespace signorini::fem {
 /// A part of the body and its material.
 struct Part {
   scene::Material material;
-  std::vector<std::int32_t> cells; ///< those that this rank owns, local indices
+  std::vector<std::int32_t> cells; ///< cells that this rank owns, local indices
 };
 
 /// The parts of the body, one for each material. Collective. Throws UserError, on every rank alike, if a
@@ -45,14 +45,15 @@ enum class Form {
 std::string signature(int dim, int degree);
 
 /// Assembles a form over cells on V for the body's parts and a time step `tau`, s, without boundary
-/// conditions: a symmetric matrix of PETSc type `type` (AIJ or BAIJ), its block size the space dimension. In
-/// a part without viscosity b is zero, its zeros stored so that all forms have the same nonzero pattern, and
-/// d is d_elastic. Collective. Throws std::runtime_error if the form has a constant that the program does not
-/// provide, or is not over dx(1).
+/// conditions. The matrix is symmetric, of PETSc type `type` (AIJ or BAIJ), its block size the space
+/// dimension. In a part without viscosity d is d_elastic and b is zero, its zeros stored so that all forms
+/// have the same nonzero pattern. Collective. Throws std::runtime_error if the form has a constant that the
+/// program does not provide, or is not over dx(1).
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type);
 
-/// The same over the part of this number alone, with the pattern of all parts, zeros elsewhere.
+/// Assembles a form like assemble(), but over one part of the body alone, by its number; the pattern is that
+/// of all parts, with zeros elsewhere.
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
                            const char* type);
 
@@ -69,28 +70,28 @@ petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::str
 /// The fields of forms/viscoelasticity.py, by their names there; docs/method.md section 1.
 enum class CellField { strain, stress, von_mises };
 
-/// Fields of a motion that are constant on each cell: a value for each, the mean of a strain or stress over
-/// the cell, and the von Mises stress of that mean.
+/// Fields of a motion that are constant on each cell: the mean of strain or stress over the cell, and the von
+/// Mises stress of that mean.
 class CellFields {
 public:
-  /// For the body's parts, each with its material. Collective. Throws std::runtime_error if a field has a
-  /// coefficient or constant that the program does not provide.
+  /// Sets the fields up for the body's parts, each with its material. Collective. Throws std::runtime_error
+  /// if a field has a coefficient or constant that the program does not provide.
   CellFields(const Space& space, const std::vector<Part>& parts);
   ~CellFields();
   CellFields(const CellFields&) = delete;
   CellFields& operator=(const CellFields&) = delete;
 
-  /// Components of a value: (3, 3) of a tensor, in the plane too, none of the von Mises stress.
+  /// Shape of a value: (3, 3) for a tensor, in the plane too, empty for the von Mises stress.
   [[nodiscard]] static Shape shape(CellField field);
 
   /// Sets the displacement (m) and velocity (m/s) that the fields are evaluated for. Collective.
   void set(Vec y, Vec v);
 
-  /// The field of the last motion set, strain or Pa, as values of cellwise(mesh, shape) that this rank owns;
-  /// valid until the next call for it. Collective.
+  /// Values of a field (strain, or Pa) for the motion last set, those of cellwise(mesh, shape) that this rank
+  /// owns; valid until the next call for this field. Collective.
   [[nodiscard]] std::span<const double> operator()(CellField field);
 
-  /// The largest von Mises stress of the last motion set. Collective.
+  /// Largest von Mises stress of the motion last set. Collective.
   [[nodiscard]] Largest largest_von_mises();
 
 private:

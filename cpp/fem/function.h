@@ -9,7 +9,7 @@ namespace signorini::fem {
 
 using Function = dolfinx::fem::Function<double>;
 
-/// Sets a function's values from those that this rank owns, behind which virtual nodes may have some.
+/// Sets a function's values from those that this rank owns; values of virtual nodes behind them are ignored.
 /// Collective.
 inline void set(Function& to, std::span<const double> owned) {
   const auto own = static_cast<std::size_t>(to.function_space()->dofmap()->index_map->size_local() *

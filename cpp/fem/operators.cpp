@@ -20,7 +20,7 @@ std::vector<int> component_numbers(const std::optional<std::vector<scene::Compon
 
 DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>& clamps)
     : dim_(space.dim()), first_dof_(space.first_dof()) {
-  std::map<int, std::pair<std::string, std::size_t>> motion; // of each dof, and the first clamp that holds it
+  std::map<int, std::pair<std::string, std::size_t>> motion; // motion of each dof, and its first clamp
   for (std::size_t i = 0; i < clamps.size(); ++i) {
     const scene::Clamp& clamp = clamps[i];
     const auto key = [&](std::size_t j, const char* name) {
@@ -35,11 +35,11 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c).text : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
           if (const auto& [other, by] = held->second; !first && other != value)
-            throw UserError(fmt::format(
-                "{}: found \"{}\" where {} holds {} of the node at {} by \"{}\", allowed is the same "
-                "motion where clamps meet",
-                key(i, "value"), value, key(by, "value"), "xyz"[components[c]],
-                point_text(&space.points()[3 * static_cast<std::size_t>(node)]), other));
+            throw UserError(fmt::format("{}: found \"{}\" where {} prescribes {} of the node at {} as "
+                                        "\"{}\"; clamps that meet need the same motion",
+                                        key(i, "value"), value, key(by, "value"), "xyz"[components[c]],
+                                        point_text(&space.points()[3 * static_cast<std::size_t>(node)]),
+                                        other));
         }
     });
   }
@@ -75,7 +75,7 @@ double DirichletDofs::decouple(Mat matrix) const {
 }
 
 petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
-  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 wants to be told, even of PᵀMP
+  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 needs the option, even for PᵀMP
   petsc::Matrix half;
   check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
   return half;
@@ -121,7 +121,8 @@ petsc::Matrix one_for_all(Mat rows) {
   return all;
 }
 
-/// one_for_all() if that is the same operator, else the matrix's upper half in blocks (SBAIJ). Collective.
+/// Returns one_for_all() if that is the same operator, else the upper half of the matrix in blocks (SBAIJ).
+/// Collective.
 petsc::Matrix compress(petsc::Matrix rows) {
   petsc::Matrix all = one_for_all(rows);
   if (ratio(rows, all) == 1)

@@ -5,7 +5,7 @@
 
 namespace signorini::fem {
 
-/// The dofs that clamps prescribe, and those of virtual nodes that are zero.
+/// Dofs that clamps prescribe, and dofs of virtual nodes that are zero.
 class DirichletDofs {
 public:
   /// Collective. Throws UserError, on every rank, if a group is missing or two clamps prescribe different
@@ -30,21 +30,21 @@ private:
   PetscInt first_dof_;
 };
 
-/// Numbers (0, 1, 2) of the components `given`, in their order; those of all `dim` components if absent.
+/// Numbers (0, 1, 2) of the components `given`, in their order; of all `dim` components if absent.
 std::vector<int> component_numbers(const std::optional<std::vector<scene::Component>>& given, int dim);
 
-/// The matrices of the body without boundary conditions; docs/method.md section 1. They are stored as upper
-/// halves in blocks of the space dimension (SBAIJ), whose products are twice as fast as with AIJ; where a
-/// form acts on each component alike, as L2 and m do, one component is stored for all (MAIJ).
+/// Matrices of the body without boundary conditions; docs/method.md section 1. They are stored as upper
+/// halves in blocks of the space dimension (SBAIJ), whose products are twice as fast as with AIJ. Forms that
+/// act on each component alike, such as L2 and m, store one component for all (MAIJ).
 struct Operators {
   petsc::Matrix M;                       ///< form m, kg
   petsc::Matrix A;                       ///< form a
   std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
-  std::optional<petsc::Matrix> W;        ///< form L2; absent unless asked for (densities)
+  std::optional<petsc::Matrix> W;        ///< form L2; absent unless needed (densities)
   std::optional<double> uniform_density; ///< ρ with M = ρ W, if there is one, kg/m³
 };
 
-/// The diagonal of one of these matrices, of any type. Collective.
+/// Diagonal of one of these matrices, of any type. Collective.
 petsc::Vector diagonal(Mat matrix);
 
 /// Assembles the matrices of the body; `densities`: whether W is needed, as for loads, nodal controls and an
@@ -53,8 +53,8 @@ petsc::Vector diagonal(Mat matrix);
 Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
                              bool densities);
 
-/// Assembles the L2 product over a part of the body (a group of cells) or a surface (a group of facets),
-/// stored like W: one component for all (MAIJ), with entries only between nodes of the part. Collective.
+/// Assembles the L2 product over a part of the body (a group of cells) or a surface (a group of facets). It
+/// is stored like W, one component for all (MAIJ), with entries only between nodes of the part. Collective.
 /// Throws UserError naming the scene's `key` if there is no such group.
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
@@ -62,7 +62,7 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
 /// number of components (MAIJ). Collective.
 petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components);
 
-/// Tells multigrid what a matrix of V hardly resists: the rigid motions. Collective.
+/// Attaches the rigid motions, the near null space of a matrix of V, for multigrid. Collective.
 void attach_rigid_motions(Mat matrix, const Space& space);
 
 /// The submatrix of all rows and of some columns (owned, ascending local numbers). Collective.

@@ -13,11 +13,11 @@ using petsc::check;
 namespace {
 
 constexpr int most_parts = 16;
-/// Of a clamp's resistance: below this part of the largest it is rounding.
+/// Part of the sum of the clamps' resistances below which a resistance is rounding.
 constexpr double rounding = 1e-10;
 
-/// Translations along the axes and rotations about the centre of the nodes of one part, the latter of
-/// the size of translations.
+/// Translations along the axes, and rotations about the centre of the nodes of one part, scaled to the size
+/// of translations.
 std::vector<petsc::Vector> motions_of(const Space& space, const std::vector<int>& part_of_node, int part) {
   const auto dim = static_cast<std::size_t>(space.dim());
   std::array<double, 5> sums{}; // coordinates, their squares, number
@@ -64,7 +64,7 @@ std::vector<petsc::Vector> unclamped(std::vector<petsc::Vector> motions, const D
                                      MPI_Comm comm) {
   const std::size_t n = motions.size();
   std::vector<double> gram(n * n);
-  double size = 0; // of the clamped dofs
+  double size = 0; // sum of squares of the motions at the clamped dofs
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       const petsc::ReadArray x(motions[a]), y(motions[b]);

@@ -24,13 +24,13 @@ Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
   return {mesh.topology()->dim(), dolfinx_versions::vertices(mesh.geometry(), cell)};
 }
 
-/// Where a point is looked for: a dimension, and owned entities of it.
+/// Entities among which points are located: their dimension, and those owned.
 struct Entities {
   int dim;
   std::vector<std::int32_t> numbers;
 };
 
-/// Those of a group, of the whole body without one.
+/// Entities of a group, or of the whole body without one.
 Entities entities(const mesh::Mesh& mesh, const std::optional<std::string>& on, const std::string& key) {
   if (!on)
     return {mesh.dim(), mesh.owned_cells()};
@@ -44,7 +44,7 @@ struct Near {
   std::int32_t entity = -1;                                 ///< −1 on ranks without entities
 };
 
-/// For each point (n × 3) the nearest of these entities, cells or facets.
+/// Finds the nearest of these entities, cells or facets, for each point (n × 3).
 std::vector<Near> nearest(const dolfinx::mesh::Mesh<double>& mesh, int dim,
                           const std::vector<std::int32_t>& entities, const std::vector<double>& points) {
   std::vector<Near> found(points.size() / 3);
@@ -144,7 +144,7 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points, const st
   const auto& mesh = *space.mesh().dolfinx();
   const bool facets = among.dim < dim_;
   const std::vector<Near> found = nearest(mesh, among.dim, among.numbers, points);
-  // Each point is evaluated by the rank with the nearest entity; of several, by the lowest.
+  // The rank with the nearest entity evaluates a point; of several ranks, the lowest.
   std::vector<double> least(count_);
   std::ranges::transform(found, least.begin(), &Near::squared);
   MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(count_), MPI_DOUBLE, MPI_MIN, comm_);

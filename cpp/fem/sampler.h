@@ -16,14 +16,14 @@ struct Quadrature {
 Quadrature quadrature(const mesh::Mesh& mesh);
 
 /// Evaluates functions of V at given points, the same for any number of ranks and any mesh of the body. At a
-/// point just outside of this mesh, as beyond a chord of a curved boundary, it evaluates the polynomial of
-/// the nearest cell.
+/// point just outside of this mesh, such as beyond a chord of a curved boundary, it evaluates the polynomial
+/// of the nearest cell.
 class Sampler {
 public:
-  /// `points`: (n × 3), m, the same on every rank. `on`: of functions that count on a physical group alone: a
-  /// part of the body, whose nearest cell serves; or a surface, of which functions are evaluated at the
-  /// nearest point. `cellwise`: of functions that are constant on each cell (owned cells × dim) in place of
-  /// V. Throws UserError naming `key` if there is no such group. Collective.
+  /// Locates `points` (n × 3), m, the same on every rank. `on`: physical group to evaluate on: a part of the
+  /// body, in its nearest cell, or a surface, at its nearest point. `cellwise`: evaluates functions that are
+  /// constant on each cell (owned cells × dim) in place of V. Throws UserError naming `key` if there is no
+  /// such group. Collective.
   Sampler(const Space& space, const std::vector<double>& points,
           const std::optional<std::string>& on = std::nullopt, const std::string& key = {},
           bool cellwise = false);
@@ -31,7 +31,7 @@ public:
   /// Distances of the points from this mesh (n), m, zero inside.
   [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
 
-  /// The functional of one component of functions of V at a point, by its number. Collective.
+  /// Functional that evaluates one component of functions of V at a point, by its number. Collective.
   [[nodiscard]] petsc::Vector functional(std::size_t point, int component) const;
 
   /// Values of y at the points (n × dim), on every rank. Collective.

@@ -20,23 +20,24 @@ namespace signorini::fem {
 /// coupled to others by constraints alone: the forms m, b and a are diagonal there (docs/method.md
 /// section 1).
 struct VirtualNode {
-  std::array<double, 3> mass{};      ///< of components, m: kg, or of a rotation kg m²
-  std::array<double, 3> damping{};   ///< b: N s/m, or N m s
-  std::array<double, 3> stiffness{}; ///< a: N/m, or N m
+  std::array<double, 3> mass{};      ///< form m by component: kg, or kg m² for a rotation
+  std::array<double, 3> damping{};   ///< form b: N s/m, or N m s
+  std::array<double, 3> stiffness{}; ///< form a: N/m, or N m
   std::array<bool, 3> clamped{};     ///< components that are zero
 };
 
-/// Where the unknowns of a space are: first the mesh's nodes of each rank, then, on the last rank, the
-/// virtual nodes. Vectors hold nodes × dim values, node by node.
+/// Layout of a space's unknowns: first the mesh's nodes of each rank, then, on the last rank, the virtual
+/// nodes. Vectors have nodes × dim values, node by node.
 class Layout {
 public:
-  /// This rank owns so many of the mesh's nodes; `virtual_nodes` are the same on every rank. Collective.
+  /// `mesh_nodes`: number of the mesh's nodes that this rank owns; `virtual_nodes`: the same on every rank.
+  /// Collective.
   Layout(MPI_Comm comm, int dim, int mesh_nodes, std::vector<VirtualNode> virtual_nodes);
 
   [[nodiscard]] int dim() const { return dim_; }
-  /// The mesh's nodes that this rank owns.
+  /// Number of the mesh's nodes that this rank owns.
   [[nodiscard]] int mesh_nodes() const { return mesh_nodes_; }
-  /// The nodes that this rank owns.
+  /// Number of nodes that this rank owns.
   [[nodiscard]] int nodes() const { return mesh_nodes_ + (here_ ? static_cast<int>(virtual_.size()) : 0); }
   /// Global number of this rank's first dof.
   [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
@@ -50,9 +51,9 @@ public:
   /// A zero vector. Collective.
   [[nodiscard]] petsc::Vector vector() const;
 
-  /// A matrix over the mesh's dofs, or from other columns to these, with rows for the virtual ones: a square
-  /// one gets columns too, and `diagonal` (virtual nodes × dim) there. Returns `matrix` itself if there are
-  /// no virtual nodes. Collective.
+  /// Extends a matrix over the mesh's dofs, or from other columns to these, by rows for the virtual ones. A
+  /// square matrix gets columns too, with `diagonal` (virtual nodes × dim) there. Returns `matrix` itself if
+  /// there are no virtual nodes. Collective.
   [[nodiscard]] petsc::Matrix extended(petsc::Matrix matrix, std::span<const double> diagonal = {}) const;
 
 private:
@@ -64,8 +65,8 @@ private:
 };
 
 /// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh, without boundary conditions, and the
-/// unknowns of virtual nodes. Vectors of V hold the values at the owned nodes, node by node, as layout()
-/// says.
+/// unknowns of virtual nodes. Vectors of V contain the values at the owned nodes, node by node, in the order
+/// of layout().
 class Space {
 public:
   /// Collective. `mesh` must outlive the space.
@@ -83,7 +84,7 @@ public:
   [[nodiscard]] PetscInt first_dof() const { return layout_.first_dof(); }
   /// Number of dofs on all ranks.
   [[nodiscard]] PetscInt dofs() const { return layout_.dofs(); }
-  /// Coordinates of these nodes, (owned_nodes × 3), m.
+  /// Coordinates of the mesh's nodes that this rank owns, (owned_nodes × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
 
   /// A zero vector of V. Collective.
@@ -110,7 +111,7 @@ private:
   std::vector<double> points_;
 };
 
-/// Numbers of components along each axis of a value: none of a scalar, (dim) of a vector.
+/// Numbers of components along each axis of a value: empty for a scalar, (dim) for a vector.
 using Shape = std::vector<std::size_t>;
 
 /// The space of functions that are constant on each cell, of vectors or of another shape. Collective.
@@ -118,7 +119,7 @@ std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& 
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape);
 
 /// Matrix of the embedding of functions of degree 1 (columns) into those of degree 2 (rows) on the same mesh:
-/// 1 at vertices, ½ from both ends at midpoints of edges; one component is stored for all (MAIJ). Collective.
+/// 1 at vertices, ½ from both ends at midpoints of edges. One component is stored for all (MAIJ). Collective.
 petsc::Matrix embedding(const Space& linear, const Space& quadratic);
 
 } // namespace signorini::fem

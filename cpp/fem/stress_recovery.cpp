@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t components = 9;
 
-/// For each cell that this rank owns, the number of its part.
+/// Part number of each cell that this rank owns.
 std::vector<double> part_numbers(const mesh::Mesh& mesh, const std::vector<Part>& parts) {
   std::vector<double> numbers(mesh.owned_cells().size());
   for (std::size_t part = 0; part < parts.size(); ++part)
@@ -84,7 +84,7 @@ namespace {
 using Point = std::array<double, 3>;
 using Tensor = std::array<double, 9>;
 
-/// A cell as all ranks know it.
+/// Cell in global numbers, the same on all ranks.
 struct Cell {
   std::size_t part = 0;
   Tensor stress{};
@@ -108,7 +108,7 @@ public:
         corners_(static_cast<std::size_t>(space.dim()) + 1), owned_(space.mesh().owned_cells()),
         part_(part_numbers(space.mesh(), parts)), stress_(stress) {}
 
-  /// Those for which `wanted(cell)`, of all ranks. Collective.
+  /// Gathers the cells of all ranks for which `wanted(cell)` is true. Collective.
   template <class Wanted>
   [[nodiscard]] std::vector<Cell> gathered(MPI_Comm comm, Wanted&& wanted) const {
     std::vector<Cell> found;
@@ -145,7 +145,7 @@ mesh::Simplex simplex(const Cell& cell, int dim) {
   return {dim, [&](int i) { return cell.x[static_cast<std::size_t>(i)].data(); }};
 }
 
-/// The angle of a cell at its node i, as a part of the full one.
+/// Angle of a cell at its node i, as a part of the full one.
 double angle(const Cell& cell, std::size_t i, std::size_t corners) {
   std::array<Point, 3> edge{};
   std::array<double, 3> length{};
@@ -172,7 +172,8 @@ double angle(const Cell& cell, std::size_t i, std::size_t corners) {
   return std::atan2(volume, below) / full;
 }
 
-/// Nodes on facets of one cell alone; of a node all of whose cells are given, whether it is on the boundary.
+/// Nodes on facets of one cell alone. If all cells of a node are given, this decides whether it is on the
+/// boundary.
 std::set<std::int64_t> on_outer_facets(const std::vector<Cell>& cells, std::size_t corners) {
   const auto dim = static_cast<std::ptrdiff_t>(corners) - 1;
   std::vector<std::int64_t> nodes;
@@ -216,14 +217,14 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
             continue;
           const double volume = simplex(other, space.dim()).volume();
           volumes += volume;
-          stress += volume * von_mises(other.stress); // of tensors shear beside a load would cancel
+          stress += volume * von_mises(other.stress); // in a mean of tensors shear beside a load would cancel
           for (std::size_t c = 0; c < sum.size(); ++c)
             sum[c] += volume * other.stress[c];
         }
     for (std::size_t c = 0; c < sum.size(); ++c)
       recovered[c] += sum[c] / volumes / static_cast<double>(corners);
-    // Angles of a smooth boundary differ by how it is divided; the load, the clamp or the contact that makes
-    // the stress is where that is largest.
+    // The angles at a smooth boundary depend on its cells; the load, clamp or contact that causes the stress
+    // is where the stress is largest.
     stress /= volumes;
     const bool sharper = part_of_full > std::max(reentrant, peak.angle),
                smooth = std::max(part_of_full, peak.angle) <= reentrant;

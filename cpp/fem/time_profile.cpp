@@ -16,12 +16,13 @@ namespace {
 using Kronrod = boost::math::quadrature::gauss_kronrod<double, 15>;
 
 constexpr std::array<double, 3> origin{};
-/// Of the whole integral: what two rules may differ by on a panel, and what may pass unseen there.
+/// Tolerances relative to the whole integral: difference of two rules on a panel, and changes that may pass
+/// unseen there.
 constexpr double quadrature_tolerance = 1e-10, unseen = 1e-9;
-/// An enclosure overestimates: it is explained by samples that span this part of it.
+/// Part of an enclosure that samples must span to explain it, since an enclosure overestimates.
 constexpr double explained = 0.25;
 constexpr std::size_t first_samples = 200, more_samples = 20, most_panels = 1 << 18;
-constexpr double shortest_panel = 0x1p-50; ///< of the run
+constexpr double shortest_panel = 0x1p-50; ///< relative to the run
 constexpr double tiny = 1e-300;            ///< below any load or motion, above denormal numbers
 
 /// Calls take(place in 0 … 1, weight) for the points of a rule, whose weights add up to one.
@@ -36,8 +37,8 @@ void for_each_point(Take&& take) {
   }
 }
 
-/// The fewer points, the smaller the part of a panel: n points leave the 2n-th power of it, times at most
-/// what two rules may differ by.
+/// Calls take(place in 0 … 1, weight) for a part of a panel, with fewer points for a smaller part. The error
+/// of n points is the 2n-th power of the part, times at most the difference allowed between two rules.
 template <class Take>
 void for_part_of_panel(double part, Take&& take) {
   using boost::math::quadrature::gauss;
@@ -94,7 +95,7 @@ const double* TimeProfile::place(std::size_t component, std::size_t i) const {
 }
 
 void TimeProfile::cut() {
-  std::array<double, 6> corners; // the least, and the negative of the greatest
+  std::array<double, 6> corners; // the least coordinates, and the negatives of the greatest
   corners.fill(std::numeric_limits<double>::infinity());
   const std::size_t count = points_.size() / 3;
   for (std::size_t i = 0; i < count; ++i)
@@ -120,7 +121,7 @@ void TimeProfile::cut() {
 
 void TimeProfile::refine() {
   const std::size_t size = field_.size();
-  // Of each open panel, over all samples: the difference of two rules, the integral of the modulus, the
+  // For each open panel, over all samples: the difference of two rules, the integral of the modulus and the
   // greatest values; the least values.
   std::vector<double> most, least;
   on_all_ranks(comm_, [&] {
@@ -130,7 +131,7 @@ void TimeProfile::refine() {
   });
   most = all_of(comm_, std::move(most), MPI_MAX);
   least = all_of(comm_, std::move(least), MPI_MIN);
-  std::size_t k = 0; // of the open panels
+  std::size_t k = 0; // number of the open panel
   for (Panel& panel : panels_)
     if (panel.open)
       panel.integral = most[(k++) * (2 + size) + 1];
@@ -199,7 +200,7 @@ void TimeProfile::sample(const Panel& panel, std::vector<double>& most, std::vec
       const double* x = place(c, field_.depends_on_place(c) ? samples_[i] : 0);
       // Every second pair of Kronrod's points, from the middle on, is one of Gauss's.
       const auto& gauss = boost::math::quadrature::gauss<double, 7>::weights();
-      // Moments of three degrees: rules that are symmetric agree on what is odd by chance.
+      // Moments of three degrees, as symmetric rules agree on odd functions in any case.
       std::array<double, 3> off{};
       double positive = 0;
       std::size_t number = 0;
@@ -229,14 +230,14 @@ bool TimeProfile::explains(scene::Interval sampled, Panel& panel, std::size_t co
     return all <= width(sampled) / explained || all <= enough;
   };
   scene::Box box = box_;
-  // Without its ends, at which a comparison with a knot is undecided.
+  // Exclude the ends, at which a comparison with a knot is undecided.
   constexpr double infinity = std::numeric_limits<double>::infinity();
   box[3] = scene::Interval(std::nextafter(panel.begin, infinity), std::nextafter(panel.end, -infinity));
   if (is(field_.enclose(component, box)))
     return true;
   if (!field_.depends_on_place(component))
     return false;
-  // Where the box is too wide for the enclosure, the points by themselves.
+  // If the box is too wide for the enclosure, try the points one by one.
   std::vector<int> left;
   const auto look = [&](int i) {
     const double* x = &points_[3 * static_cast<std::size_t>(i)];
@@ -384,9 +385,8 @@ std::vector<double> TimeProfile::times(double from, double to) const {
 
 void TimeProfile::require_resolved() const {
   if (unresolved() > noticeable)
-    throw UserError(fmt::format("{}: found an expression that changes faster than it can be integrated, its "
-                                "means may be off by {:.2g} of it; "
-                                "allowed are slower ones, or a time series",
+    throw UserError(fmt::format("{}: the expression changes too fast to be integrated (means may be off by "
+                                "{:.2g} of it); use a slower one or a time series",
                                 field_.key(), unresolved()));
 }
 

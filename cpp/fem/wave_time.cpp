@@ -11,7 +11,7 @@
 namespace signorini::fem {
 namespace {
 
-/// Whether cells are to be looked at: all, or those with a facet on one of the surfaces.
+/// Whether each cell counts: all, or those with a facet on one of the surfaces.
 std::vector<bool> cells_at(const mesh::Mesh& mesh, const std::vector<Surface>& surfaces) {
   const auto topology = mesh.dolfinx()->topology();
   const auto map = topology->index_map(mesh.dim());

@@ -147,7 +147,7 @@ std::string CheckpointWriter::commit() {
 
 namespace {
 
-/// What a file has under a name; empty where there is no such file or name. Collective.
+/// Reads an entry of a file; empty if there is no such file or entry. Collective.
 template <class Sequence>
 Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
   Sequence values;
@@ -182,7 +182,7 @@ CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& f
   on_root(comm_, [&] {
     in_ = open_hdf5(file);
     if (!in_)
-      fail("the file is damaged, or not a checkpoint; allowed is a whole one");
+      fail("the file is damaged, or not a checkpoint; use an undamaged file");
   });
 }
 
@@ -191,7 +191,7 @@ void CheckpointReader::fail(const std::string& problem) const {
 }
 
 void CheckpointReader::damaged(const std::string& name) const {
-  fail(fmt::format("\"{}\" is damaged or missing; allowed is a whole checkpoint", name));
+  fail(fmt::format("\"{}\" is damaged or missing; use an undamaged checkpoint", name));
 }
 
 template <class Sequence>
@@ -240,7 +240,7 @@ void CheckpointReader::match_places() {
   MPI_Allreduce(MPI_IN_PLACE, &places, 1, MPI_LONG, MPI_SUM, space.comm());
   if (padded.size() != 3 * static_cast<std::size_t>(places))
     fail(fmt::format(
-        "found a control at {} places, in this scene it has {}; allowed is the mesh of the run that wrote it",
+        "found a control at {} places, but this scene's has {}; use the mesh of the run that wrote it",
         padded.size() / 3, places));
   columns_ = padded.size() / 3 * controls_->components().size();
   std::vector<double> points;

@@ -15,9 +15,9 @@ namespace signorini::io {
 /// there is reported by commit() alone.
 class CheckpointWriter {
 public:
-  /// Of a search without controls. `part`, on the same disk, is renamed to `file` by commit().
+  /// Opens `part` for a search without controls; commit() renames it to `file`, on the same disk.
   CheckpointWriter(MPI_Comm comm, const std::filesystem::path& part, const std::filesystem::path& file);
-  /// Of one with `controls`.
+  /// Opens `part` for a search with `controls`.
   CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
                    const std::filesystem::path& file);
   ~CheckpointWriter();
@@ -45,20 +45,20 @@ private:
   std::string failure_;              ///< on rank 0
 };
 
-/// A text of a checkpoint, empty where there is no such file or text. Collective.
+/// Text of a checkpoint; empty if there is no such file or text. Collective.
 [[nodiscard]] std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file,
                                           const std::string& name);
 
-/// Numbers of a checkpoint, likewise.
+/// Numbers of a checkpoint; empty if there is no such file or entry. Collective.
 [[nodiscard]] std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::path& file,
                                                      const std::string& name);
 
-/// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError
-/// where the file is missing or damaged.
+/// Reads files of CheckpointWriter, on any number of ranks. All members collective; all throw UserError where
+/// the file is missing or damaged.
 class CheckpointReader {
 public:
-  /// `reason`: what asks for the file, for messages. Without controls the file's are not read. `controls`
-  /// must outlive this object.
+  /// Opens a checkpoint. `reason`: option or key that requires the file, for messages. The file's controls
+  /// are only read with `controls`, which must outlive this object.
   CheckpointReader(MPI_Comm comm, const std::filesystem::path& file, std::string reason = "--resume");
   CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
                    std::string reason = "--resume");
@@ -71,24 +71,24 @@ public:
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
   void operator()(const std::string& name, control::CompactControl& u);
 
-  /// Whether the file has something of that name.
+  /// Whether the file has an entry of that name.
   [[nodiscard]] bool has(const std::string& name) const;
 
-  /// A control of other intervals: in interval j the values of the row `row(j, rows)` of `rows`.
+  /// Reads a control of other intervals: interval j gets the values of the row `row(j, rows)` of `rows`.
   [[nodiscard]] control::Control control(const std::string& name,
                                          const std::function<int(int j, int rows)>& row);
 
   /// Matches the places of the controls with those of the file by coordinates; to be called before the first
   /// control is read. Throws UserError if they differ.
   void match_places();
-  /// The same; false if they differ, or are damaged.
+  /// Matches the places like match_places(); returns false if they differ or are damaged.
   [[nodiscard]] bool matches_places();
 
   /// Throws UserError with the file's name and `problem`.
   [[noreturn]] void fail(const std::string& problem) const;
 
 private:
-  /// With as many rows as the controls have.
+  /// Reads a control with as many rows as the controls have.
   control::Control control(const std::string& name);
   [[noreturn]] void damaged(const std::string& name) const;
   template <class Sequence>
@@ -100,7 +100,7 @@ private:
   std::string reason_;
   Hdf5Handle in_;                 ///< on rank 0
   std::size_t columns_ = 0;       ///< values in a row, of all ranks
-  std::vector<std::size_t> rows_; ///< of the owned places in the file
+  std::vector<std::size_t> rows_; ///< rows of the owned places in the file
 };
 
 } // namespace signorini::io

@@ -31,22 +31,22 @@ struct History {
   std::vector<std::string> columns;
   std::vector<double> numbers; ///< (rows × columns)
 
-  /// Columns are those of the first row.
+  /// Appends a row; the first one defines the columns.
   void add(const Row& row);
   [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
   [[nodiscard]] double at(std::size_t row, const std::string& column) const;
   [[nodiscard]] double last(const std::string& column) const { return at(rows() - 1, column); }
-  /// The file, and a row of it.
+  /// Text of the whole file, and of one row.
   [[nodiscard]] std::string table() const;
   [[nodiscard]] std::string text(std::size_t row) const;
-  /// Names from a header.
+  /// Names of columns from a header.
   [[nodiscard]] static std::vector<std::string> split(const std::string& header);
 };
 
 /// Header of obstacles.csv: one row per step and obstacle, step 0 the initial state.
 std::string obstacles_header(int dim);
 
-/// Appends the rows of step k. `contacts`: those of the scene, which have the obstacles' names.
+/// Appends the rows of step k. `contacts`: the scene's, with the obstacles' names.
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
                        const std::vector<scene::Contact>& contacts,
                        const diagnostics::ObstacleForces& forces);
@@ -57,13 +57,12 @@ std::string probes_header(const std::vector<std::string>& columns);
 /// Appends row k.
 void add_probes_row(std::string& text, int k, double time, std::span<const double> values);
 
-/// contact.csv, as text: one row per stored step and candidate, with its point in the undeformed body, the
-/// name of its obstacle, the obstacle's normal there (out of the obstacle, the direction of
-/// the force on the body), area, pressure and status. Numbers have as many digits as tell them from all
-/// others.
+/// Text of contact.csv: one row per stored step and candidate. Its columns are the point in the undeformed
+/// body, gap, force, obstacle, the obstacle's normal there (out of it, the direction of the force on the
+/// body), area, pressure and status. Numbers have as many digits as distinguish them from all others.
 class ContactTable {
 public:
-  /// `pressure` must outlive this object; `contacts`: those of the scene, which have the obstacles' names.
+  /// `pressure` must outlive this object; `contacts`: the scene's, with the obstacles' names.
   ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
                const std::vector<scene::Contact>& contacts);
 
@@ -73,7 +72,7 @@ public:
   void add_rows(std::string& text, const step::TimeStep& step, const contact::ContactState& contact) const;
 
 private:
-  /// What of each candidate's row never changes, before and behind gap and force.
+  /// Constant text of a candidate's row, before and behind gap and force.
   struct Fixed {
     std::string point, surface;
   };

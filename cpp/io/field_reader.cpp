@@ -13,7 +13,7 @@ using petsc::check;
 
 namespace {
 
-/// All of a dataset, row by row; empty if it cannot be read.
+/// Reads a whole dataset, row by row; empty if it cannot be read.
 template <class T>
 std::vector<T> values(hid_t dataset) {
   std::vector<T> all;
@@ -40,7 +40,7 @@ bool finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
-/// Times of a group's members, ascending, and their names; empty if they are not as a run writes them.
+/// Times of a group's members, ascending, and their names; empty if they are not in a run's format.
 std::vector<std::pair<double, std::string>> times_of(hid_t file, hid_t group) {
   const std::vector<std::string> names = names_of(group);
   const Hdf5Handle list(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
@@ -60,7 +60,7 @@ StoredField::StoredField(const fem::Space& space, const std::filesystem::path& f
     : space_(space), file_(file), field_(field), key_(key),
       nodes_(static_cast<std::size_t>(space.dofs() / space.dim()) - space.layout().virtual_nodes().size()) {
   if (space.degree() > 1)
-    fail(fmt::format("found mesh.degree = {}, allowed is 1: fields are stored at the mesh's own nodes",
+    fail(fmt::format("found mesh.degree = {}; set it to 1, since fields are stored at the mesh's own nodes",
                      space.degree()));
   std::vector<double> points;
   on_root(space.comm(), [&] { look(end, at_start, points); });
@@ -75,9 +75,8 @@ void StoredField::fail(const std::string& problem) const {
 
 void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   if (!std::filesystem::is_regular_file(file_))
-    fail(fmt::format("there is no such file, allowed is the folder of an earlier run that stored \"{}\"",
-                     field_));
-  const std::string damaged = "the file is damaged, or was not written by a run; allowed is a whole one";
+    fail(fmt::format("no such file; name the folder of an earlier run that stored \"{}\"", field_));
+  const std::string damaged = "the file is damaged, or was not written by a run; use an undamaged file";
   const Hdf5Handle file = open_hdf5(file_);
   if (!file)
     fail(damaged);
@@ -87,8 +86,8 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   const auto [rows, columns] = shape(geometry);
   if (rows != nodes_ || columns != static_cast<hsize_t>(space_.dim()))
     fail(fmt::format(
-        "found a mesh of {} nodes in {} dimensions, allowed is the mesh of this scene, of {} nodes in {}",
-        rows, columns, nodes_, space_.dim()));
+        "found a mesh of {} nodes in {} dimensions; expected the mesh of this scene, of {} nodes in {}", rows,
+        columns, nodes_, space_.dim()));
   points = values<double>(geometry);
   if (points.empty() || !finite(points))
     fail(damaged);
@@ -97,7 +96,7 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
     fail(damaged);
   const Hdf5Handle group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)
-    fail(fmt::format("found no field \"{}\", allowed is a run whose output.fields has it", field_));
+    fail(fmt::format("found no field \"{}\"; use a run whose output.fields has it", field_));
   for (const auto& [time, name] : times_of(file, group)) {
     times_.push_back(time);
     names_.push_back(name);
@@ -107,8 +106,8 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   constexpr double rounding = 1e-9;
   if ((at_start && times_.front() > rounding * end) || times_.back() < (1 - rounding) * end)
     fail(fmt::format(
-        "found \"{}\" from {:.6g} to {:.6g} s, allowed are runs that cover this one, from 0 to {:.6g} s",
-        field_, times_.front(), times_.back(), end));
+        "found \"{}\" from {:.6g} to {:.6g} s; use a run that covers this one, from 0 to {:.6g} s", field_,
+        times_.front(), times_.back(), end));
 }
 
 Vec StoredField::stored(std::size_t number) {
@@ -127,11 +126,11 @@ Vec StoredField::stored(std::size_t number) {
     if (dataset && shape(dataset) == std::array<hsize_t, 2>{nodes_, padded})
       all = values<double>(dataset);
     if (all.empty() || !finite(all))
-      fail(fmt::format("\"{}\" at {:.6g} s is damaged, allowed are {} finite vectors", field_, times_[number],
+      fail(fmt::format("\"{}\" at {:.6g} s is damaged; expected {} finite vectors", field_, times_[number],
                        nodes_));
   });
   all = broadcast(space_.comm(), all);
-  if (kept_.size() == 2) { // replace the farther one, whichever way times go
+  if (kept_.size() == 2) { // replace the farther one, for times in either direction
     const auto distance = [number](const Stored& one) {
       return one.number > number ? one.number - number : number - one.number;
     };
@@ -147,7 +146,7 @@ Vec StoredField::stored(std::size_t number) {
 }
 
 void StoredField::at(double t, Vec out) {
-  if (times_.size() == 1) { // of a single step
+  if (times_.size() == 1) { // stored for a single step
     check(VecCopy(stored(0), out));
     return;
   }

@@ -7,21 +7,22 @@
 
 namespace signorini::io {
 
-/// A field that an earlier run stored over time (FieldWriter), on the same mesh and any number of ranks.
+/// Field that an earlier run stored over time (FieldWriter), on the same mesh and any number of ranks.
 class StoredField {
 public:
   /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:
-  /// that of the scene which names the run. Collective. `space` must outlive this object. Throws UserError if
-  /// the file is missing or damaged, has no such field, or has it on another mesh or not from 0 to `end` (s);
-  /// of a field that no run has at 0, `at_start` is false.
+  /// the scene's key that names the run; `at_start`: false for a field that no run has at 0. Collective.
+  /// `space` must outlive this object. Throws UserError if the file is missing or damaged, has no such field,
+  /// or has it on another mesh or not from 0 to `end` (s).
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
               const std::string& key, double end, bool at_start = true);
 
-  /// When it is stored, s, ascending.
+  /// Times at which the field is stored, s, ascending.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
 
-  /// The field at time t (s), linear between two stored times, which are kept: cheap for monotonic t; before
-  /// the first time the field there. Collective. Throws UserError if its values are damaged.
+  /// Evaluates the field at time t (s), linear between two stored times, which are cached: cheap for
+  /// monotonic t. Before the first time it is the field there. Collective. Throws UserError if its values are
+  /// damaged.
   void at(double t, Vec out);
 
 private:
@@ -40,8 +41,8 @@ private:
   std::vector<double> times_;      ///< s, ascending
   std::vector<std::string> names_; ///< datasets; on rank 0
   std::size_t nodes_;              ///< on all ranks
-  std::vector<std::size_t> rows_;  ///< of the owned nodes in the file
-  std::vector<Stored> kept_;       ///< the two around the last time asked for
+  std::vector<std::size_t> rows_;  ///< rows of the owned nodes in the file
+  std::vector<Stored> kept_;       ///< the two around the time last evaluated
 };
 
 } // namespace signorini::io

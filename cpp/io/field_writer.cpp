@@ -77,7 +77,7 @@ std::vector<std::size_t> stored_shape(Values values) {
   }
 }
 
-/// Its number of entries.
+/// Number of entries of a stored value.
 std::size_t stored_components(Values values) {
   const std::vector<std::size_t> shape = stored_shape(values);
   return std::accumulate(shape.begin(), shape.end(), std::size_t(1), std::multiplies<>());
@@ -146,9 +146,10 @@ std::vector<std::int64_t> FieldLayout::topology() const {
 std::span<const double> FieldLayout::gather(Values values, std::span<const double> owned) {
   const Rows& rows = in_cells(values) ? cells_ : nodes_;
   const std::size_t given = components(values, space_.dim()), stored = stored_components(values);
-  mine_.assign(rows.own.size() * stored, 0);
-  for (std::size_t i = 0; i < rows.own.size(); ++i)
-    std::copy_n(&owned[given * rows.own[i]], given, &mine_[stored * i]);
+  mine_.resize(rows.own.size() * stored);
+  auto next = mine_.begin();
+  for (const std::size_t row : rows.own)
+    next = std::fill_n(std::copy_n(&owned[given * row], given, next), stored - given, 0.0);
   if (ranks(space_.comm()) == 1)
     return mine_;
   gather(rows, stored, mine_, all_);
@@ -165,8 +166,8 @@ const char* attribute_type(Values values) {
 /// The name of the dataset of the `number`-th stored time; names sort as times do.
 std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
 
-// One collection with a grid for each time, which has the mesh and all fields, as meshio and the readers of
-// VTK and ParaView expect it (those of XDMF 2 resolve no references between grids).
+// One collection with a grid for each time, which has the mesh and all fields. meshio and the readers of VTK
+// and ParaView expect this (those of XDMF 2 resolve no references between grids).
 constexpr const char *before_grids = R"xml(<?xml version="1.0"?>
 <!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>
 <Xdmf Version="3.0">

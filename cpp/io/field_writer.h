@@ -11,20 +11,20 @@
 
 namespace signorini::io {
 
-/// What the values of a stored field are: vectors at the nodes or in the cells, and values of other shapes.
+/// Kinds of stored fields: vectors at the nodes or in the cells, and values of other shapes.
 enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
 
 /// Whether a field has a value for each cell, else for each node.
 [[nodiscard]] bool in_cells(Values values);
 
-/// The mesh as field files have it, nodes and cells in the order of the ranks, and the values of fields in
-/// that order, on rank 0. Its nodes are the mesh's own: of degree 2 the vertices.
+/// Mesh in the format of field files, nodes and cells in the order of the ranks, and the values of fields in
+/// that order, on rank 0. Its nodes are the mesh's own: the vertices for degree 2 too.
 class FieldLayout {
 public:
   /// Collective. `space` must outlive this object.
   explicit FieldLayout(const fem::Space& space);
 
-  /// On all ranks together.
+  /// Numbers of nodes, cells and rows on all ranks together.
   [[nodiscard]] std::size_t nodes() const { return nodes_.total(); }
   [[nodiscard]] std::size_t cells() const { return cells_.total(); }
   [[nodiscard]] std::size_t rows(Values values) const { return in_cells(values) ? cells() : nodes(); }
@@ -34,22 +34,22 @@ public:
   [[nodiscard]] std::vector<double> points() const;
   [[nodiscard]] std::vector<std::int64_t> topology() const;
 
-  /// Brings together the values that each rank owns, at the nodes of V or in the cells, as rows in the
-  /// shape of stored values; valid on rank 0 until the next call. Collective.
+  /// Gathers the values that each rank owns, at the nodes of V or in the cells, as rows in the shape of
+  /// stored values. Valid on rank 0 until the next call. Collective.
   [[nodiscard]] std::span<const double> gather(Values values, std::span<const double> owned);
 
 private:
   /// Nodes or cells: `own` are the places of this rank's rows among the values that it owns.
   struct Rows {
     std::vector<std::size_t> own;
-    std::vector<int> counts, starts; ///< of each rank
+    std::vector<int> counts, starts; ///< number and start of each rank's rows
     [[nodiscard]] std::size_t total() const {
       return static_cast<std::size_t>(starts.back()) + static_cast<std::size_t>(counts.back());
     }
   };
-  /// Collective.
+  /// Counts the rows of all ranks. Collective.
   [[nodiscard]] Rows rows_of(std::vector<std::size_t> own) const;
-  /// Rows of `columns` entries each. Collective.
+  /// Gathers rows of `columns` entries each on rank 0. Collective.
   template <class T>
   void gather(const Rows& rows, std::size_t columns, const std::vector<T>& mine, std::vector<T>& all) const;
 
@@ -64,9 +64,9 @@ struct FieldSeries {
   Values values;
 };
 
-/// Fields over time in an HDF5 file and the XDMF file beside it, at the mesh's own nodes (degree 2: their
-/// values at the vertices) or one value for each cell, written one by one during a run. The HDF5 file has the
-/// times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
+/// Fields over time in an HDF5 file and the XDMF file beside it, written one by one during a run. They have
+/// values at the mesh's own nodes (degree 2: at the vertices) or one value for each cell. The HDF5 file has
+/// the times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
 /// leading zeros so that names sort. The XDMF file is written at the end, so that a time costs the same
 /// however many came before.
 class FieldWriter {
@@ -77,13 +77,13 @@ public:
   FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
               std::vector<FieldSeries> fields, std::size_t times);
 
-  /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order: its values that
-  /// this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
+  /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order. `owned`: its
+  /// values that this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 
-  /// Moves the times from the `number`-th on one place back; all fields are to be written at the place that
-  /// is free then. Collective. Throws UserError.
+  /// Moves the times from the `number`-th on one place back; all fields must then be written at the free
+  /// place. Collective. Throws UserError.
   void make_room(std::size_t number);
 
   /// Writes the XDMF file; all fields must have been written at the same times, without a gap. Collective.
@@ -107,11 +107,11 @@ private:
 
   const fem::Space& space_;
   const OutputFolder& folder_;
-  std::string name_, data_; ///< of the two files
+  std::string name_, data_; ///< names of the two files
   FieldLayout layout_;
   Hdf5Handle file_, layout_list_; ///< on rank 0
   std::vector<FieldSeries> fields_;
-  std::vector<Datasets> datasets_; ///< of each field
+  std::vector<Datasets> datasets_; ///< datasets of each field
   std::vector<double> times_;      ///< s
 };
 

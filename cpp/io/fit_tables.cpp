@@ -16,8 +16,8 @@ void require_within(const control::Data& data, double end, const std::string& hi
   const double hair = 1e-9 * end;
   for (const double t : {data.times.front(), data.times.back()})
     if (t < -hair || t > end + hair)
-      throw UserError(fmt::format(
-          "found the time {:.10g} s, allowed are times of the motion, 0 to {:.10g} s{}", t, end, hint));
+      throw UserError(fmt::format("found the time {:.10g} s; expected times of the motion, 0 to {:.10g} s{}",
+                                  t, end, hint));
 }
 
 /// The units that a measured quantity may have.
@@ -48,14 +48,14 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
     for (const double value : data.values)
       deviation = std::max(deviation, *measurement.noise * std::abs(value));
     if (deviation == 0)
-      throw UserError("found zeros alone, to which no noise can be relative; allowed is deviation");
+      throw UserError("all values are 0, to which no noise can be relative; give a deviation");
   }
   constexpr const char* column = "deviation";
   if (deviation > 0) {
     data.deviations.assign(data.values.size(), deviation);
   } else {
     if (!scene::has_column(text, column))
-      throw UserError("found no column \"deviation\", allowed is one, or the key deviation or noise");
+      throw UserError("found no column \"deviation\"; add one, or the key deviation or noise");
     const scene::TableColumn deviations = scene::read_column(text, column, units(measurement.of));
     if (deviations.name == column && given.factor != 1)
       throw UserError(fmt::format(
@@ -63,7 +63,7 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
           column, given.name, given.name.substr(measurement.column.size())));
     data.deviations = deviations.values;
     if (std::ranges::any_of(data.deviations, [](double x) { return !(x > 0); }))
-      throw UserError("found a deviation of 0 or less, allowed are numbers greater than 0");
+      throw UserError("found a deviation of 0 or less; expected numbers above 0");
   }
   return data;
 }

@@ -10,32 +10,31 @@
 
 namespace signorini::io {
 
-/// What was measured, read from the files of a scene's measurements: empty for those that are not fitted.
+/// Reads the data of a scene's measurements from their files; empty for those that are not fitted.
 /// Collective; rank 0 reads. Throws UserError naming key, file and line if a file cannot be read, has times
-/// outside of the motion, or tells no deviation where the scene does not.
+/// outside of the motion, or has no deviation where the scene gives none.
 std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene);
 
-/// The text of a measurement's file: columns of times and of the values named, those of several measurements
-/// at the same times.
+/// Text of a file of measurements: a column of times, and a column of values for each name.
 std::string data_table(const std::vector<double>& times, const std::vector<std::string>& names,
                        const std::vector<std::vector<double>>& columns);
 
-/// What is known of an unknown after a fit.
+/// Result of a fit for one unknown.
 struct FittedUnknown {
   std::string name{}, of{}, unit{}, scale{};
-  double value = 0, deviation = 0; ///< standard; ∞ where the data do not tell it
+  double value = 0, deviation = 0; ///< standard deviation; ∞ if the data do not determine the value
   double start = 0, lower = 0, upper = 0;
   bool at_bound = false;
   double gradient = 0; ///< dJ/dθ
 };
 
-/// A measurement beside what the fitted scene gives.
+/// A measurement, and its simulated values in the fitted scene.
 struct Comparison {
   std::string name;
   std::vector<double> times, data, deviations, simulated;
 };
 
-/// A figure of the whole contact beside the simulated one, which is not fitted.
+/// Measured figure of the whole contact, which is not fitted, and the simulated one.
 struct ComparedFigure {
   std::string name, unit;
   double value, deviation, simulated; ///< deviation 0: not given, simulated nan: no contact
@@ -46,17 +45,17 @@ struct Fit {
   std::vector<FittedUnknown> unknowns;
   std::vector<double> correlations; ///< (unknowns × unknowns)
   std::vector<double> singular_values;
-  std::vector<std::string> unidentified; ///< sentences: what the data do not tell
+  std::vector<std::string> unidentified; ///< sentences on numbers that the data do not determine
   std::vector<Comparison> measurements;
   std::vector<ComparedFigure> compared;
   double value = 0;  ///< J
   double misfit = 0; ///< root mean square of the residuals of the data, in standard deviations
-  long data = 0;     ///< values
+  long data = 0;     ///< number of values
   /// √(gᵀH⁻¹g) at the end, in standard deviations; absent with a control.
   std::optional<double> decrement{};
 };
 
-/// parameters.csv and measurements.csv.
+/// Texts of parameters.csv and measurements.csv.
 std::string parameters_table(const Fit& fit);
 std::string measurements_table(const Fit& fit);
 

@@ -42,7 +42,7 @@ bool present(const fs::path& file) {
 
 [[noreturn]] void cannot_write(const fs::path& given, const std::string& reason) {
   throw OutputFailure(
-      fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", given.string(), reason));
+      fmt::format("--out: {} cannot be written ({}); choose another folder", given.string(), reason));
 }
 
 std::string last_error() { return std::generic_category().message(errno); }
@@ -76,10 +76,10 @@ void FolderLock::lock(const fs::path& given) {
       close(file);
       const Json holder = read(path);
       const bool known = holder.is_object() && holder.contains("process") && holder.contains("host");
-      throw UserError(fmt::format(
-          "--out: found {} in use by {}, allowed is a folder that no other run writes to", given.string(),
-          known ? fmt::format("process {} on {}", holder["process"].dump(), holder["host"].dump())
-                : "another run that is just starting or ending"));
+      throw UserError(
+          fmt::format("--out: {} is in use by {}; choose another folder", given.string(),
+                      known ? fmt::format("process {} on {}", holder["process"].dump(), holder["host"].dump())
+                            : "another run that is just starting or ending"));
     }
     struct stat here{}, there{};
     if (fstat(file, &here) == 0 && stat(path.c_str(), &there) == 0 && here.st_ino == there.st_ino) {
@@ -91,7 +91,7 @@ void FolderLock::lock(const fs::path& given) {
   early_ = texts(read(path), "early");
 }
 
-bool FolderLock::vouched(const std::string& name) const {
+bool FolderLock::listed(const std::string& name) const {
   const Json manifest = read(folder_ / manifest_);
   if (!manifest.is_object() || !manifest.contains("versions") || !manifest["versions"].contains("signorini"))
     return false;
@@ -101,9 +101,9 @@ bool FolderLock::vouched(const std::string& name) const {
 void FolderLock::claim(const std::string& manifest, const Names& names, const Names& early) {
   manifest_ = manifest;
   for (const std::string& name : names)
-    if (present(folder_ / name) && !early_.contains(name) && !vouched(name))
+    if (present(folder_ / name) && !early_.contains(name) && !listed(name))
       throw UserError(
-          fmt::format("--out: found {}, which no run in that folder wrote, allowed is a folder without it",
+          fmt::format("--out: {} was not written by a run in that folder; move it, or choose another folder",
                       (folder_ / name).string()));
   early_.insert(early.begin(), early.end());
   char host[256] = "";
@@ -118,7 +118,7 @@ void FolderLock::claim(const std::string& manifest, const Names& names, const Na
 FolderLock::~FolderLock() {
   if (file_ >= 0) {
     const bool needed = std::ranges::any_of(early_, [&](const std::string& name) {
-      return present(folder_ / name) && (manifest_.empty() || !vouched(name));
+      return present(folder_ / name) && (manifest_.empty() || !listed(name));
     });
     if (!needed)
       unlink((folder_ / file_name).c_str());

@@ -21,7 +21,7 @@ struct WeakContact {
   int step;
   double time; ///< s
   int candidate;
-  std::vector<double> x; ///< of its node in the undeformed body (dim), m
+  std::vector<double> x; ///< point of its node in the undeformed body (dim), m
 };
 
 /// A kink at which a search ended: optimize::Certificate and the weak contact that causes it.
@@ -31,7 +31,7 @@ struct Kink {
   std::vector<WeakContact> weak;
 };
 
-/// A search on a coarse mesh before that of the scene's.
+/// A search on a coarse mesh before the search on the scene's mesh.
 struct CoarseLevel {
   double size = 0, step = 0; ///< m, s
   int steps = 0;
@@ -42,22 +42,22 @@ struct CoarseLevel {
   std::string stop_reason{};
 };
 
-/// What was asked of the error of an answer, and what is estimated, relative to its modulus.
+/// Required and estimated errors of a quantity, relative to its modulus.
 struct Accuracy {
   std::string quantity;
   double asked = 0, space = 0, time = 0;
-  double search = 0;     ///< what the optimizer has left
-  bool met = false;      ///< with half the steps too, and without a warning
-  std::string warning{}; ///< why it is not verified though the estimate is small, in words
+  double search = 0;     ///< error left by the optimizer
+  bool met = false;      ///< attained, with half the steps too and without a warning
+  std::string warning{}; ///< why a small estimate is not verified, in words
   [[nodiscard]] double estimated() const { return space + time + search; }
 };
 
 /// Steps of varying length of a motion.
 struct Lengths {
   double shortest = 0, longest = 0; ///< s
-  int rejected = 0;                 ///< steps that were made again
-  int factorisations = 0;           ///< of the step operators of as many lengths, each time counted
-  double seconds = 0;               ///< of these
+  int rejected = 0;                 ///< steps that were repeated
+  int factorisations = 0;           ///< factorisations of step operators, repeated ones included
+  double seconds = 0;               ///< time of these factorisations
 };
 
 /// The contents of run.json.
@@ -67,39 +67,40 @@ struct Manifest {
   int ranks = 1;
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
-  int steps_asked = 0;              ///< of the whole motion
-  std::optional<Lengths> lengths{}; ///< of steps of varying length
+  int steps_asked = 0;              ///< steps of the whole motion
+  std::optional<Lengths> lengths{}; ///< present if steps vary in length
   int steps_done = 0;
   int stored = 0;           ///< times at which fields and contact were stored
   double wave_time = 0;     ///< step::Stepper::wave_time(), s
-  std::string control_unit; ///< of control.scale, empty without a control
-  std::string solver;       ///< of the steps, and the reason of its choice
+  std::string control_unit; ///< unit of control.scale, empty without a control
+  std::string solver;       ///< solver of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
   int dim = 2;
   diagnostics::BodyFigures body;
   std::optional<control::ObjectiveValue> objective;
-  std::optional<diagnostics::EnergyAccount> energy; ///< of the motion stored; absent if not summed up
-  std::optional<diagnostics::Impact> impact;        ///< likewise, and in a scene without contact
-  std::optional<diagnostics::LargestStress::Peak> von_mises; ///< likewise; absent if no stress is stored
-  std::vector<diagnostics::Invariants::Defect> invariants;   ///< of the motion stored; empty if not monitored
-  std::vector<Warning> warnings;                             ///< of the motion stored
+  std::optional<diagnostics::EnergyAccount> energy; ///< energy of the stored motion; absent if not computed
+  std::optional<diagnostics::Impact> impact;        ///< absent if not computed, or in a scene without contact
+  std::optional<diagnostics::LargestStress::Peak> von_mises; ///< absent if no stress is stored
+  std::vector<diagnostics::Invariants::Defect> invariants;   ///< defects found; empty if not monitored
+  std::vector<Warning> warnings;                             ///< warnings on the stored motion
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;
   std::optional<Accuracy> accuracy{};
   std::optional<Fit> fit;
-  std::vector<std::string> files; ///< of the run
+  std::vector<std::string> files; ///< files of the run
 };
 
-/// Whether the largest stress is that of a wave as contact begins, whose front the mesh and the steps decide.
+/// Whether the largest stress is that of a wave at the onset of contact, whose front depends on mesh and
+/// steps.
 [[nodiscard]] bool stress_at_onset(const Manifest& m);
 
-/// A document as text of lines; of names that are not UTF-8, as files may have, what is not is replaced.
+/// JSON document as lines of text; bytes that are not UTF-8, as in some file names, are replaced.
 std::string lines(const nlohmann::ordered_json& json);
 
 /// Versions of this program and of its main libraries.
 nlohmann::ordered_json versions();
-/// The same on one line.
+/// Versions of this program and of its main libraries on one line.
 std::string version_line();
 
 /// The text of run.json.

@@ -17,19 +17,19 @@ using contact::Box;
 using contact::Obstacle;
 using contact::ObstacleSurface;
 
-constexpr double around = 0.3; ///< of the body's size, what is shown beside it
-/// Cells that resolve curved surfaces along the longest side, in the plane and in space: of one that is
-/// written once, and of one that is written anew for every time.
+constexpr double around = 0.3; ///< margin around the body that is shown, relative to its size
+/// Cells along the longest side that resolve a curved surface, in the plane and in space: of a surface
+/// written once (fine), and of one written for every time (coarse).
 constexpr int fine[] = {120, 24}, coarse[] = {60, 16};
 
-/// A surface at one time after another: its points as they are at the first one, and how far each has moved.
+/// Surface over time: its points at t = 0, and their displacements.
 struct Motion {
-  ObstacleSurface surface;          ///< the surfaces of all times where that changes
+  ObstacleSurface surface;          ///< the surfaces of all times if the shape changes
   std::vector<double> displacement; ///< (times × n × dim), or (n × dim) of all times together
-  std::vector<std::int64_t> first_point, first_facet; ///< of each time and behind the last one, likewise
+  std::vector<std::int64_t> first_point, first_facet; ///< by time, with the end; empty if the shape stays
 };
 
-/// A box that holds, in the obstacle's place at t = 0, what is shown at all times.
+/// Box, in the obstacle's frame at t = 0, around all that is shown at any time.
 Box swept(const Obstacle& obstacle, const Box& shown, std::span<const double> times) {
   Box all = shown;
   if (!obstacle.moves())
@@ -43,7 +43,7 @@ Box swept(const Obstacle& obstacle, const Box& shown, std::span<const double> ti
   return all;
 }
 
-/// One surface, and where its points are.
+/// One surface of an obstacle that keeps its shape, and the displacements of its points.
 Motion carried(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
   const Obstacle::Place start = obstacle.place(0);
   Motion motion;
@@ -65,8 +65,7 @@ Motion carried(const Obstacle& obstacle, std::size_t dim, const Box& shown, std:
   return motion;
 }
 
-/// How far a point of the surface is from the surface at t = 0, to first order; zero where that has no
-/// normal.
+/// Vector to a point from the surface at t = 0, to first order; zero where that surface has no normal.
 std::array<double, 3> way_from_start(const Obstacle& obstacle, const double* x) {
   try {
     const Obstacle::Plane plane = obstacle.at(x);
@@ -79,7 +78,7 @@ std::array<double, 3> way_from_start(const Obstacle& obstacle, const double* x) 
   }
 }
 
-/// A surface for each time.
+/// A surface for each time, of an obstacle that changes its shape.
 Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
   Motion motion{.surface = {}, .displacement = {}, .first_point = {0}, .first_facet = {0}};
   ObstacleSurface& all = motion.surface;

@@ -7,7 +7,7 @@
 
 namespace signorini::io {
 
-/// Writes surfaces.h5: what is seen of the obstacles at `times` (s) about a body that stays within the box
+/// Writes surfaces.h5: the surfaces of the obstacles at `times` (s) around a body that stays within the box
 /// `body`. Collective. Throws OutputFailure.
 void write_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
                     std::span<const double> times, const contact::Box& body);

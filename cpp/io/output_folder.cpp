@@ -33,8 +33,8 @@ const FolderLock::Names early_names{"history.csv", checkpoint};
 constexpr std::array of_search{"history.csv",  "parameters.csv", "measurements.csv", "control.h5",
                                "control.xdmf", "adjoint.h5",     "adjoint.xdmf"};
 
-/// Whether postprocess/ made a file: it says so near its beginning, a page in
-/// <meta name="generator" content="signorini report">, a picture in its comment.
+/// Whether postprocess/ made a file, by a mark near its beginning: in a page <meta name="generator"
+/// content="signorini report">, in a picture its comment.
 bool drawn(const fs::path& file) {
   std::string start(1 << 16, '\0');
   std::ifstream in(file, std::ios::binary);
@@ -43,7 +43,7 @@ bool drawn(const fs::path& file) {
   return start.find("signorini report") != std::string::npos;
 }
 
-/// The pages and the figures of an earlier run, by their paths within the folder.
+/// Pages and figures of an earlier run, by their paths within the folder.
 std::vector<std::string> drawings(const fs::path& folder) {
   std::vector<std::string> found;
   std::error_code none;
@@ -127,7 +127,7 @@ void clear_finished(const fs::path& folder) {
     fs::remove_all(folder / finished, error);
 }
 
-/// The error as the user sees it: of the results' file, wherever it was at that moment, else of the folder.
+/// Error for the user: of the results' file, wherever it was at that moment, else of the folder.
 OutputFailure problem(const fs::path& folder, const fs::filesystem_error& error,
                       const std::string& more = {}) {
   const std::string name = error.path1().filename().string();
@@ -137,9 +137,9 @@ OutputFailure problem(const fs::path& folder, const fs::filesystem_error& error,
                                    more));
 }
 
-/// Replaces the files of `folder` by those in `staging`, a folder inside it, and removes `outdated` ones of
-/// the folder, with folders that this leaves empty: all of it, or nothing if it throws. A process that is
-/// killed meanwhile leaves a state that complete_publication() can finish. Throws OutputFailure.
+/// Replaces the files of `folder` by those in `staging`, a folder inside it. Removes `outdated` files of the
+/// folder, with folders that this leaves empty. All of it happens, or nothing if it throws. If the process is
+/// killed meanwhile, complete_publication() can finish the rest. Throws OutputFailure.
 void replace_files(const fs::path& folder, const fs::path& staging,
                    const std::vector<std::string>& outdated) {
   std::vector<std::string> replaced;
@@ -213,10 +213,9 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
     std::error_code error;
     for (const char* name : file_names)
       if (fs::is_directory(folder_ / name, error))
-        throw UserError(
-            fmt::format("--out: {} is a folder and in the way of a file of this run, allowed is a folder "
-                        "without it",
-                        (folder / name).string()));
+        throw UserError(fmt::format(
+            "--out: {} is a folder and in the way of a file of this run; move it, or choose another folder",
+            (folder / name).string()));
     FolderLock::Names names(file_names.begin(), file_names.end());
     names.insert(names.end(), early_names.begin(), early_names.end());
     std::erase(names, given);
@@ -224,7 +223,7 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
     staging = (folder_ / (std::string(unfinished) + "XXXXXX")).string();
     if (!mkdtemp(staging.data())) {
       staging.clear();
-      throw OutputFailure(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
+      throw OutputFailure(fmt::format("--out: {} cannot be written ({}); choose another folder",
                                       folder.string(), std::generic_category().message(errno)));
     }
   });
@@ -314,9 +313,8 @@ void OutputFolder::require_no_search(const fs::path& given) const {
     std::error_code none;
     if (std::ranges::any_of(of_search, [&](const char* name) { return fs::exists(folder_ / name, none); }))
       throw UserError(
-          fmt::format("--out: found an optimum in {0}, whose history, control and adjoint this run would "
-                      "remove, allowed are "
-                      "--replace, which removes them, and another folder, such as --out {0}-simulate",
+          fmt::format("--out: {0} has an optimum, whose history, control and adjoint this run would remove; "
+                      "add --replace, or use another folder, such as --out {0}-simulate",
                       given.string()));
   });
 }

@@ -14,14 +14,14 @@ namespace signorini::io {
 /// Flushes a file, or a folder's entries, to the disk. Throws filesystem_error.
 void synchronise(const std::filesystem::path& path);
 
-/// The folder for the files of a run. Files are written into a hidden folder inside it and moved out together
-/// at the end, so that each appears whole or not at all and a failed run leaves everything as it was.
+/// Folder for the files of a run. Files are written into a hidden folder inside it and moved out together at
+/// the end. Thus each appears whole or not at all, and a failed run leaves everything as it was.
 class OutputFolder {
 public:
-  /// Creates and locks the folder, and completes or removes what killed runs left there. Collective. Throws
-  /// OutputFailure on every rank if the folder cannot be written, UserError if another run holds it, or it
-  /// contains a file of this run's names that no run wrote, other than `given`, which this run reads and
-  /// checks itself.
+  /// Creates and locks the folder, and completes or removes the remains of killed runs. Collective. Throws
+  /// OutputFailure on every rank if the folder cannot be written, UserError if another run has locked it.
+  /// Throws UserError if it contains a file of this run's names that no run wrote, except `given`, which this
+  /// run reads and checks itself.
   OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -36,17 +36,18 @@ public:
   /// Writes a text file, on rank 0. Collective. Throws OutputFailure.
   void write(const std::string& name, const std::string& text) const;
 
-  /// Throws UserError if the folder, `given` by the user, has what only a search leaves and this run would
-  /// remove. Collective.
+  /// Throws UserError if the folder has files that only a search leaves and this run would remove; `given`:
+  /// its path as given by the user. Collective.
   void require_no_search(const std::filesystem::path& given) const;
 
-  /// Moves everything written into place, and removes files of an earlier run under the fixed names that this
-  /// one did not write, and the page and figures that postprocess/ made of it; all of it, or nothing if it
-  /// throws. Returns the page and the figures that went, by their paths within the folder, on rank 0.
+  /// Moves everything written into place. Removes an earlier run's files under the fixed names that this one
+  /// did not write, and the page and figures that postprocess/ made of it. All of it happens, or nothing if
+  /// it throws. Returns the removed page and figures, by their paths within the folder, on rank 0.
   /// Collective. Throws OutputFailure.
   std::vector<std::string> publish();
 
-  /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
+  /// Files to be listed in run.json, which is written last: those of this run, and a checkpoint that stays.
+  /// On rank 0.
   [[nodiscard]] FolderLock::Names files() const;
 
   /// Size of what has been written so far, bytes. Zero on ranks other than 0.
@@ -61,7 +62,7 @@ private:
   std::optional<FolderLock> lock_; ///< on rank 0
 };
 
-/// A text file of the folder, written piece by piece on rank 0.
+/// Text file of the folder, written in parts on rank 0.
 class TextFile {
 public:
   /// `folder` must outlive this object.
@@ -76,7 +77,7 @@ public:
   /// Inserts a text after the first `at` bytes, on rank 0. Not collective; a failure is reported by close().
   void insert(std::streamoff at, std::string_view text);
 
-  /// Collective. Throws OutputFailure if not all of it could be written.
+  /// Closes the file. Collective. Throws OutputFailure if not all of it could be written.
   void close();
 
 private:

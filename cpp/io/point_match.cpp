@@ -17,7 +17,7 @@ namespace signorini::io {
 namespace {
 
 /// Hash grid of points. The coordinates of a node in two runs agree within `near_`. A cell is so much larger
-/// that few points lie near its sides, and so small that it holds one node.
+/// that few points lie near its sides, and so small that it contains one node.
 class Grid {
 public:
   explicit Grid(const fem::Space& space) : near_(1e-10 * space.mesh().diameter()), cell_(100 * near_) {}
@@ -47,7 +47,7 @@ private:
   double near_, cell_;
 };
 
-/// Which of the points `here` (× stride) coincide with another one among `all` (× stride).
+/// Marks the points `here` (× stride) that coincide with another one among `all` (× stride).
 std::vector<bool> ambiguous(const fem::Space& space, const std::vector<double>& here,
                             const std::vector<double>& all, std::size_t stride) {
   const Grid grid(space);
@@ -68,7 +68,7 @@ std::vector<bool> ambiguous(const fem::Space& space, const std::vector<double>& 
   return found;
 }
 
-/// The fraction of the way to the middle of its cells by which a node is moved: no other node lies there.
+/// Fraction of the distance to the middle of its cells by which a node is moved: no other node lies there.
 constexpr double inwards = 0.1;
 
 } // namespace
@@ -137,17 +137,15 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
     std::map<Grid::Cell, std::size_t> known;
     for (std::size_t i = 0; i < there.size() / dim; ++i)
       if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)
-        fail(fmt::format(
-            "found two points at {} m, allowed are meshes whose nodes are apart or in cells apart",
-            point_text(&there[i * dim], space.dim())));
+        fail(fmt::format("found two points at {} m; use a mesh whose nodes are apart, or in cells that are",
+                         point_text(&there[i * dim], space.dim())));
     for (std::size_t i = 0; i < here.size() / 3; ++i) {
       const double* x = &here[3 * i];
       auto found = known.end();
       grid.around(x, dim, [&](const Grid::Cell& at) { return (found = known.find(at)) != known.end(); });
       if (found == known.end())
-        fail(
-            fmt::format("found no point at {} m, where this scene has one; allowed is a run on the same mesh",
-                        point_text(x, space.dim())));
+        fail(fmt::format("found no point at {} m, where this scene has one; use a run on the same mesh",
+                         point_text(x, space.dim())));
       numbers.push_back(found->second);
     }
   });

@@ -8,16 +8,16 @@
 
 namespace signorini::io {
 
-/// The points of V's owned nodes (nodes × 3), m. Coincident ones, as on either side of a crack, are moved
-/// slightly into the cells that they belong to, which makes them distinct in the same way on any number of
-/// ranks. Collective.
+/// Points of V's owned nodes (nodes × 3), m. Coincident ones, such as those on either side of a crack, are
+/// moved slightly into the cells that they belong to: they become distinct, alike on any number of ranks.
+/// Collective.
 std::vector<double> distinct_points(const fem::Space& space);
 
-/// The same for the vertices (n × dim) of a mesh from a file, given with its `cells` (dim + 1 vertices each),
-/// in place. Rank-local. False if a cell has a vertex that does not exist.
+/// Makes the vertices (n × dim) of a mesh from a file distinct, like distinct_points(), in place; `cells`:
+/// its cells (dim + 1 vertices each). Rank-local. Returns false if a cell has a vertex that does not exist.
 bool separate(std::vector<double>& points, const std::vector<std::int64_t>& cells, const fem::Space& space);
 
-/// For each of this rank's points `here` (places × 3) the number of the same point among `there`
+/// Finds for each of this rank's points `here` (places × 3) the number of the same point among `there`
 /// (points × dim), whose order and last digits may differ. Throws UserError, by `fail(problem)`, where there
 /// is none or two of `there` are the same. Collective.
 std::vector<std::size_t> match_points(const fem::Space& space, const std::vector<double>& there,

@@ -29,7 +29,7 @@ double last_objective(CheckpointReader& checkpoint) {
     checkpoint("history", history);
     return history.size() < columns ? std::nan("") : history[history.size() - columns + objective];
   }
-  std::string rows; // of a joint search: those of its history.csv
+  std::string rows; // rows of history.csv, of a joint search
   checkpoint("rows", rows);
   rows.erase(rows.find_last_not_of('\n') + 1);
   std::istringstream row(rows.substr(rows.rfind('\n') + 1));
@@ -50,7 +50,7 @@ double objective_in(std::istream& run_json) {
 }
 
 /// Whether the folder's checkpoint is of the run whose results are there, or of one that was killed: an
-/// earlier run's stays where a later one writes none. Collective.
+/// earlier run's checkpoint stays if a later run writes none. Collective.
 bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Comm comm) {
   const double last = last_objective(checkpoint);
   int same = 1;
@@ -67,17 +67,15 @@ bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Com
 
 std::string where(const std::string& on) { return on.empty() ? "the body" : fmt::format("\"{}\"", on); }
 
-/// Why a control of an earlier run cannot be one of this scene; empty if it can.
+/// Reason why a control of an earlier run cannot be one of this scene; empty if it can.
 std::string otherness(const scene::ControlKeys& there, const control::ControlSpace& controls,
                       const scene::Control& here) {
   if (std::abs(there.scale - here.scale) > rounding * here.scale)
-    return fmt::format(
-        "found a control with control.scale = {:.10g}, this scene has {:.10g}; allowed is the same",
-        there.scale, here.scale);
+    return fmt::format("found a control with control.scale = {:.10g}, this scene has {:.10g}; use the same",
+                       there.scale, here.scale);
   if (there.on != here.on.value_or(""))
-    return fmt::format(
-        "found a control on {}, this scene's acts on {}; allowed is the same group (control.on)",
-        where(there.on), where(here.on.value_or("")));
+    return fmt::format("found a control on {}, this scene's acts on {}; use the same group (control.on)",
+                       where(there.on), where(here.on.value_or("")));
   const std::vector<scene::Component> all = scene::components(controls.space().dim());
   std::vector<std::string> acting;
   for (const int component : controls.components())
@@ -85,14 +83,13 @@ std::string otherness(const scene::ControlKeys& there, const control::ControlSpa
   for (const std::string& component : there.components)
     if (std::ranges::find(acting, component) == acting.end())
       return fmt::format(
-          "found a control of {}, this scene's acts in {}; allowed are its components and more "
-          "(control.components)",
+          "found a control of {}, this scene's acts in {}; include its components (control.components)",
           fmt::join(there.components, ", "), fmt::join(acting, ", "));
   return {};
 }
 
-/// The times between which a control of an earlier run is constant, s, by its scene; empty if they are not
-/// known, with steps of varying length.
+/// Times between which a control of an earlier run is constant, s, by its scene; empty with steps of varying
+/// length, which the scene does not determine.
 std::vector<double> edges_of(const scene::ControlKeys& keys) {
   if (keys.constant_in_time)
     return {0, keys.end};
@@ -104,7 +101,7 @@ std::vector<double> edges_of(const scene::ControlKeys& keys) {
   return edges;
 }
 
-/// The same of a checkpoint with so many rows. Throws UserError.
+/// Times between which the control of a checkpoint with `rows` rows is constant, s. Throws UserError.
 std::vector<double> edges_of(CheckpointReader& in, const scene::ControlKeys& keys, int rows) {
   std::vector<double> edges;
   if (in.has("edges")) // not of a joint search
@@ -112,11 +109,11 @@ std::vector<double> edges_of(CheckpointReader& in, const scene::ControlKeys& key
   else
     edges = edges_of(keys);
   if (edges.size() != static_cast<std::size_t>(rows) + 1 || !std::ranges::is_sorted(edges))
-    in.fail("\"edges\" is damaged or missing; allowed is a whole checkpoint");
+    in.fail("\"edges\" is damaged or missing; use an undamaged checkpoint");
   return edges;
 }
 
-/// Which of the intervals between `edges` a time is in, from 0.
+/// Number of the interval between `edges` that contains a time, from 0.
 int interval_at(const std::vector<double>& edges, double t) {
   const auto after = std::ranges::upper_bound(edges, t);
   return std::clamp(static_cast<int>(after - edges.begin()) - 1, 0, static_cast<int>(edges.size()) - 2);
@@ -127,24 +124,23 @@ double middle(const control::ControlSpace& controls, int j) {
   return controls.begin(j) + controls.length(j) / 2;
 }
 
-/// Why a stored control that is constant between `edges` cannot be one of `controls`; empty if it can.
+/// Reason why a stored control that is constant between `edges` cannot be one of `controls`; empty if it can.
 std::string untimely(const control::ControlSpace& controls, const std::vector<double>& edges) {
   const double end = controls.grid().end();
   if (edges.size() == 2)
     return {};
   if (controls.constant_in_time())
-    return "found a control that changes in time, allowed is one that is constant (control.constant_in_time)";
+    return "found a control that changes in time; use one that is constant (control.constant_in_time)";
   if (edges.back() < (1 - rounding) * end)
-    return fmt::format(
-        "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
-        edges.back(), end);
+    return fmt::format("found a control from 0 to {:.6g} s; use one that covers this run, from 0 to {:.6g} s",
+                       edges.back(), end);
   return {};
 }
 
 /// The name of the last control in a checkpoint; that of a joint search has unknowns beside it.
 std::string name_in(const CheckpointReader& in) { return in.has("u/control") ? "u/control" : "u"; }
 
-/// Of checkpoint.h5 of the same places.
+/// Reads the control of checkpoint.h5 at the same places.
 control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls,
                            const scene::ControlKeys& keys) {
   std::vector<double> edges;
@@ -158,7 +154,7 @@ control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& co
   });
 }
 
-/// The control space of an earlier run, made again from its resolved scene.
+/// The control space of an earlier run, rebuilt from its resolved scene.
 struct EarlierRun {
   EarlierRun(MPI_Comm comm, const scene::Scene& scene)
       : mesh(comm, scene.mesh), space(mesh, scene.mesh.degree),
@@ -177,19 +173,19 @@ int dimension(const control::ControlSpace& controls) {
   return controls.on() ? mesh.group_dimension(*controls.on(), "control.on") : mesh.dim();
 }
 
-/// Fails unless the control acts on one place in two meshes: each may be off by the chords of its boundary.
+/// Throws UserError unless the control acts on one place in two meshes: each may be off by the chords of its
+/// boundary.
 void require_same_place(const CheckpointReader& in, const control::Interpolation& there_to_here,
                         const control::Interpolation& here_to_there, double diameter) {
   constexpr double chords = 0.02; // of the body: those of elements of half the radius
   const double distance = std::max(there_to_here.farthest(), here_to_there.farthest());
   if (distance > chords * diameter)
-    in.fail(
-        fmt::format("found a control on a set up to {:.4g} m away from this scene's, whose body is {:.4g} m "
-                    "large; allowed is that of the same body in the same place",
-                    distance, diameter));
+    in.fail(fmt::format("found a control up to {:.4g} m from this scene's, in a body of {:.4g} m; use one of "
+                        "the same body in place",
+                        distance, diameter));
 }
 
-/// Of checkpoint.h5 of a run on another mesh, which is set up again from its scene.
+/// Interpolates the control of checkpoint.h5 from another mesh, which is set up from that run's scene.
 control::Control interpolated(const CheckpointReader& known, const control::ControlSpace& controls,
                               const scene::ControlKeys& keys, const std::string& text, const fs::path& file,
                               const std::string& key) {
@@ -197,17 +193,16 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
   try {
     run.emplace(controls.space().comm(), scene::parse(text, file.parent_path() / "scene.toml"));
   } catch (const UserError& error) {
-    known.fail(fmt::format("found a control on another mesh, which cannot be made again: {}", error.what()));
+    known.fail(fmt::format("found a control on another mesh, which cannot be regenerated: {}", error.what()));
   }
   CheckpointReader in(run->controls, file, key);
   if (!in.matches_places())
-    known.fail(
-        "found a control on another mesh, whose file has changed since; allowed is the file as it was, or "
-        "the mesh of that run");
+    known.fail("found a control on another mesh, whose file has changed since; restore the file, or use the "
+               "mesh of that run");
   const int here = dimension(controls), there = dimension(run->controls);
   if (run->mesh.dim() != controls.space().dim() || there != here)
-    known.fail(fmt::format("found a control on a set of {} dimensions, allowed are {} as in this scene",
-                           there, here));
+    known.fail(
+        fmt::format("found a control on a set of {} dimensions; expected {} as in this scene", there, here));
   const control::Interpolation to_here(run->controls, controls);
   require_same_place(known, to_here, {controls, run->controls}, controls.space().mesh().diameter());
   const auto row = [&](int j, int rows) {
@@ -219,7 +214,8 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
   return to_here(in.control(name_in(in), row));
 }
 
-/// Of control.h5, where the value of a step stands at its end: `why` it is not read from checkpoint.h5.
+/// Reads the control of control.h5, where the value of a step stands at its end; `why`: reason not to read it
+/// from checkpoint.h5.
 control::Control as_stored(const control::ControlSpace& controls, const scene::Control& here,
                            const fs::path& folder, const std::string& key, const std::string& why) {
   const MPI_Comm comm = controls.space().comm();
@@ -231,21 +227,18 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
   on_root(comm, [&] {
     std::error_code none;
     if (!fs::is_regular_file(file, none) || !fs::is_regular_file(echo, none))
-      throw UserError(
-          fmt::format("{}: {} has no control.h5 of its run, and {}; allowed is the folder of an optimize "
-                      "that left one",
-                      key, folder.string(), why));
+      throw UserError(fmt::format(
+          "{}: {} has no control.h5 of its run, and {}; use the folder of an optimize that left one", key,
+          folder.string(), why));
     if (controls.cellwise())
-      throw UserError(
-          fmt::format("{}: {} has no checkpoint.h5 of its run, from which controls with values in cells are "
-                      "read, allowed is the folder of an optimize that left one",
-                      key, folder.string()));
+      throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, which controls with values in "
+                                  "cells need; use the folder of an optimize that left one",
+                                  key, folder.string()));
     scene = scene::read_file(echo);
   });
   const std::optional<scene::ControlKeys> keys = scene::control_keys(broadcast(comm, scene));
   if (!keys || !(keys->time_step > 0))
-    throw UserError(
-        fmt::format("{}: {}: found no time.step, allowed is what a run left", key, echo.string()));
+    throw UserError(fmt::format("{}: {}: found no time.step; use the folder of a run", key, echo.string()));
   const std::vector<double> edges = edges_of(*keys);
   for (const std::string& problem : {otherness(*keys, controls, here), untimely(controls, edges)})
     if (!problem.empty())
@@ -259,10 +252,9 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
     // The first step stored that is within the interval: others have the mean of several.
     const auto step = std::ranges::lower_bound(stored.times(), edges[i] + keys->time_step - hair);
     if (step == stored.times().end() || *step > edges[i + 1] + hair)
-      fail(fmt::format(
-          "found no step stored between {:.6g} and {:.6g} s, whose control is thus not known, and {}; "
-          "allowed is a run with a checkpoint (optimizer.checkpoint), or with output.every = 1",
-          edges[i], edges[i + 1], why));
+      fail(fmt::format("found no step stored between {:.6g} and {:.6g} s, and {}; use a run with a "
+                       "checkpoint (optimizer.checkpoint), or with output.every = 1",
+                       edges[i], edges[i + 1], why));
     stored.at(*step, field);
     controls.restrict(field, u.at(j));
   }
@@ -292,7 +284,7 @@ control::Control stored_control(const control::ControlSpace& controls, const sce
   in("scene", text);
   const std::optional<scene::ControlKeys> keys = scene::control_keys(text);
   if (!keys)
-    in.fail("\"scene\" is damaged; allowed is a whole checkpoint");
+    in.fail("\"scene\" is damaged; use an undamaged checkpoint");
   if (const std::string problem = otherness(*keys, controls, scene); !problem.empty())
     in.fail(problem);
   const bool same_components = keys->components.size() == controls.components().size();

@@ -114,8 +114,8 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most)
 }
 
 void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double most) {
-  // In iterations by block Jacobi, from the long steps of `./dev bench courant`: an iteration by
-  // multigrid, and its set-up.
+  // Work of an iteration by multigrid, and of its set-up, in iterations by block Jacobi; from the long steps
+  // of `./dev bench courant`.
   constexpr double cycle = 12, setup = 600;
   constexpr double few = 60; // multigrid takes five at least
   preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
@@ -136,7 +136,7 @@ void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double
 }
 
 double ConjugateGradients::iteration_bytes(Mat matrix) {
-  // x, r, p and D p are read or written twice, the blocks of Jacobi and what these give once.
+  // x, r, p and D p are read or written twice, the blocks of Jacobi and their results once.
   constexpr double vectors = 10;
   PetscInt n = 0;
   check(MatGetSize(matrix, &n, nullptr));
@@ -171,7 +171,7 @@ PetscErrorCode ConjugateGradients::multiply(Mat shell, Vec x, Vec y) {
   PetscCall(MatShellGetContext(shell, static_cast<void*>(&context)));
   const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
   PetscCall(MatMult(self.matrix_, x, y));
-  if (!self.now_->started) { // by the guess; b·x would leave out what the forces of constraints do
+  if (!self.now_->started) { // x is the guess; b·x would leave out the forces of constraints
     self.now_->started = true;
     PetscScalar energy = 0;
     PetscCall(VecDot(x, y, &energy));

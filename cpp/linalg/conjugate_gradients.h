@@ -20,7 +20,7 @@ public:
   /// `matrix`, in blocks, must outlive this object unchanged. Collective. Throws SolverFailure.
   Preconditioner(Mat matrix, Kind kind);
 
-  /// Whether the options name a type, whatever the kind.
+  /// Whether the PETSc options set a type, which replaces that of any kind.
   [[nodiscard]] static bool given_by_options();
 
   /// y = the preconditioner's x. Collective.
@@ -28,7 +28,7 @@ public:
 
   [[nodiscard]] std::string name() const;
 
-  /// Memory on all ranks as far as PETSc tells it, bytes. Collective.
+  /// Memory on all ranks as reported by PETSc, bytes. Collective.
   [[nodiscard]] double bytes() const;
 
 private:
@@ -36,11 +36,11 @@ private:
   petsc::Preconditioner preconditioner_;
 };
 
-/// Preconditioned conjugate gradients; the preconditioner, set up once, is block Jacobi, or multigrid where a
-/// trial takes so many fewer iterations by it that so many solves take less work. PETSc options with the
-/// prefix `-step_` are honoured, except for the convergence test: the residual in the norm of the
-/// preconditioner (natural norm), about the energy norm of the error, must fall below tolerance() times the
-/// energy norm of the guess or, where that is larger, the residual of the guess.
+/// Preconditioned conjugate gradients. The preconditioner, set up once, is block Jacobi, or multigrid if by a
+/// trial the expected solves take less work with it, set-up included. PETSc options with the prefix `-step_`
+/// are honoured, except for the convergence test. The residual in the norm of the preconditioner (natural
+/// norm), about the energy norm of the error, must fall below tolerance() times the energy norm of the guess
+/// or, where that is larger, the residual of the guess.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
@@ -48,11 +48,11 @@ public:
   /// Inspects an iterate and returns whether to continue.
   using TerminationTest = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged; `solves`: expected; `most`: work after which a trial solve
-  /// is given up, in iterations by block Jacobi. Collective. Throws SolverFailure.
+  /// `matrix` must outlive this object unchanged; `solves`: expected number; `most`: work after which a trial
+  /// solve is given up, in iterations by block Jacobi. Collective. Throws SolverFailure.
   explicit ConjugateGradients(Mat matrix, double solves = 1,
                               double most = std::numeric_limits<double>::infinity());
-  ConjugateGradients(const ConjugateGradients&) = delete; // PETSc holds its address
+  ConjugateGradients(const ConjugateGradients&) = delete; // PETSc stores its address
   ConjugateGradients& operator=(const ConjugateGradients&) = delete;
 
   void solve(Vec b, Vec x) const override;
@@ -80,11 +80,11 @@ private:
   struct Solve {
     const Projector* project = nullptr;
     const TerminationTest* judge = nullptr;
-    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed at the last call of the judge
-    bool stopped = false;     ///< by the judge
-    bool started = false;     ///< the guess was multiplied
+    std::ptrdiff_t asked = 0; ///< number of judged_at passed at the last call of the judge
+    bool stopped = false;     ///< ended by the judge
+    bool started = false;     ///< whether the guess was multiplied
     double scale = 0;         ///< norm of the solution to which residuals are relative
-    /// Iterations of a trial, which is not counted, nor is it a failure if it ends without a solution.
+    /// Most iterations of a trial, which is not counted and may end without a solution.
     std::optional<double> most{};
   };
 
@@ -100,16 +100,16 @@ private:
 
   Mat matrix_;
   /// P matrix, so that residuals stay in the subspace. Projected in the preconditioner P M⁻¹ P alone they
-  /// would keep the forces f of the constraints, and once the rest of them has fallen to ε|f|, with ε the
-  /// rounding of P, z·r would consist of that rounding and the directions lead off the subspace (Gould,
-  /// Hribar, Nocedal 2001). With both the rounding that is left is ε²|f|.
+  /// would contain the forces f of the constraints. Once the rest of the residual has fallen to ε|f|, with ε
+  /// the rounding of P, z·r would be rounding, and directions would leave the subspace (Gould, Hribar,
+  /// Nocedal 2001). With both projections only the rounding ε²|f| is left.
   petsc::Matrix operator_;
   petsc::LinearSolver ksp_;
   std::unique_ptr<Preconditioner> preconditioner_;
   petsc::Vector right_hand_side_, projected_; ///< scratch of solves on a subspace
-  mutable Solve* now_ = nullptr;              ///< the one under way
+  mutable Solve* now_ = nullptr;              ///< the solve under way
   double tolerance_ = 0;
-  double trial_work_ = 0; ///< by the preconditioner chosen
+  double trial_work_ = 0; ///< trial work by the chosen preconditioner
 };
 
 } // namespace signorini

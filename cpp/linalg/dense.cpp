@@ -79,7 +79,7 @@ void in_parts(std::size_t size, Part&& part) {
     part(first, static_cast<PetscBLASInt>(std::min(most, size - first)));
 }
 
-/// Arrays that one pass over the common one takes.
+/// Number of arrays processed in one pass over the common one.
 constexpr std::size_t together = 4;
 
 void add(const double* a, const float* const* x, std::span<double> y) {

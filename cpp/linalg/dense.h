@@ -45,16 +45,15 @@ void add(std::span<const double> a, std::span<const float* const> x, std::span<d
 void dots(std::span<const float* const> x, std::span<const double> y, std::span<double> products);
 
 /// C = A B, for A (m × n), B (n × k) and C, column by column; m·n within 32 bits. Not within a parallel
-/// region: OpenBLAS built for one thread, as Debian's libopenblas0-serial, mixes up products at the same
-/// time.
+/// region: OpenBLAS built for one thread, such as Debian's libopenblas0-serial, confuses concurrent products.
 void multiply(std::span<const double> A, std::span<const double> B, std::span<double> C, std::size_t n);
 
-/// The Cholesky factorisation K_AA = RᵀR for a symmetric K and a list A of k of its indices, to which an
-/// index can be appended and from which one can be removed, each in O(k²) (Golub, Van Loan, Matrix
-/// Computations, section 6.5). K is passed column by column; vectors are in the order of A. Not collective.
+/// Cholesky factorisation K_AA = RᵀR for a symmetric K and a list A of k of its indices. An index can be
+/// appended to A or removed from it, each in O(k²) (Golub, Van Loan, Matrix Computations, section 6.5). K is
+/// passed column by column; vectors are in the order of A. Not collective.
 class UpdatedCholesky {
 public:
-  /// With room for `most` indices, up to which nothing is allocated.
+  /// Reserves room for `most` indices, up to which nothing is allocated.
   explicit UpdatedCholesky(std::size_t most = 0) {
     R_.reserve(most * (most + 1) / 2);
     rotations_.reserve(most);
@@ -65,8 +64,8 @@ public:
   /// Empties A.
   void clear();
 
-  /// Appends an index j, whose `column` is K_Aj (k) and whose `diagonal` is K_jj. Returns false, with all as
-  /// it was, if the pivot, what remains of K_jj when A is eliminated, is not above `negligible` K_jj: j then
+  /// Appends an index j, whose `column` is K_Aj (k) and whose `diagonal` is K_jj. Returns false, and changes
+  /// nothing, if the pivot (the rest of K_jj after elimination of A) is not above `negligible` K_jj: j then
   /// depends on A.
   [[nodiscard]] bool append(std::span<const double> column, double diagonal, double negligible = 0);
 
@@ -81,7 +80,7 @@ private:
     double cosine, sine;
   };
 
-  /// Where column j of R begins, which holds rows 0 … j.
+  /// Start of column j of R, which has rows 0 … j.
   [[nodiscard]] static std::size_t start(std::size_t j) { return j * (j + 1) / 2; }
   /// x ← R⁻ᵀ x (k).
   void forward(std::span<double> x) const;

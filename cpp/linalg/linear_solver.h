@@ -9,12 +9,12 @@ namespace signorini {
 /// Solver for one symmetric positive definite matrix, set up once and used at every step.
 class LinearSolver {
 public:
-  /// Before the names of its options in PETSc's database.
+  /// Prefix of its options in PETSc's database.
   static constexpr const char* prefix = "step_";
 
   virtual ~LinearSolver() = default;
 
-  /// Solves matrix x = b; `x` holds an initial guess on entry, which a direct solver ignores. Collective.
+  /// Solves matrix x = b; `x` contains an initial guess on entry, which a direct solver ignores. Collective.
   /// Throws SolverFailure.
   virtual void solve(Vec b, Vec x) const = 0;
 
@@ -31,10 +31,10 @@ private:
   inline static long& solves_ = count("solves with D");
 };
 
-/// What a factorisation takes, as its analysis says.
+/// Work of a factorisation, as estimated by its analysis.
 struct FactorWork {
-  double flops = 0;   ///< of the factorisation
-  double entries = 0; ///< of the factor
+  double flops = 0;   ///< operations of the factorisation
+  double entries = 0; ///< entries of the factor
 };
 
 } // namespace signorini

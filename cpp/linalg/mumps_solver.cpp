@@ -38,7 +38,7 @@ double MumpsSolver::estimate() const {
 
 FactorWork MumpsSolver::work() const {
   constexpr double million =
-      1e6; // in which MUMPS counts what an integer has no room for, as a negative number
+      1e6; // MUMPS returns counts beyond the range of an integer in millions, as negative numbers
   FactorWork work;
   PetscInt entries = 0;
   check(MatMumpsGetRinfog(factor_, 1, &work.flops));
@@ -48,9 +48,9 @@ FactorWork MumpsSolver::work() const {
 }
 
 void MumpsSolver::factorise() {
-  // Which rank takes which part is decided by their loads at the time, so that the space estimated by the
-  // analysis may fall short, at random. Space that is not used costs no memory: twice as much is set aside,
-  // and where even that is too little, or the user's own option, more.
+  // MUMPS divides the work by the ranks' loads at the time, so that the space estimated by the analysis may
+  // fall short, at random. Space that is not used costs no memory: twice as much is reserved, and more if
+  // that, or the user's own option, is too little.
   constexpr PetscInt twice = 100, most = 1000; // per cent
   PetscBool chosen = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, prefix, "-mat_mumps_icntl_14", &chosen));

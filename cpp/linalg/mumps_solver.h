@@ -16,7 +16,7 @@ public:
   /// Memory of the factorisation on all ranks as estimated by the analysis, bytes. Collective.
   [[nodiscard]] double estimate() const;
 
-  /// Collective.
+  /// Work of the factorisation as estimated by the analysis. Collective.
   [[nodiscard]] FactorWork work() const;
 
   /// Computes the factor; to be called once before solve(). Collective. Throws SolverFailure.

@@ -31,20 +31,20 @@ public:
 
   [[nodiscard]] const std::vector<double>& weights() const { return w_; }
 
-  /// Moves to the minimum over the affine combinations of A; where a weight falls to zero on the way, its
-  /// vector leaves A and the minimum is that of the others.
+  /// Moves to the minimum over the affine combinations of A; if a weight falls to zero before, its vector
+  /// leaves A and the minimum is that of the others.
   void settle() {
     constexpr int passes = 2; // the second one removes the rounding of the first
     for (int whole = 0; whole < passes;) {
       std::vector<double> d = slopes_on_set();
-      minimise(d, 1 - std::reduce(w_.begin(), w_.end())); // what rounding has taken from Σ w = 1
+      minimise(d, 1 - std::reduce(w_.begin(), w_.end())); // loss of Σ w = 1 by rounding
       whole += move(d, 1);
     }
   }
 
   struct Candidate {
-    std::size_t index; ///< along which the value falls the most; n if along none by more than rounding
-    double excess;     ///< how far the value may be above its minimum, by convexity
+    std::size_t index; ///< vector with the steepest descent; n if none descends by more than rounding
+    double excess;     ///< bound on the value above its minimum, by convexity
   };
   [[nodiscard]] Candidate candidate() const {
     constexpr double rounding = 1e-14; // n ε, the sums' rounding
@@ -67,8 +67,8 @@ public:
     return found;
   }
 
-  /// Takes j into A. If it depends on A, weights move along the dependence, where the value is linear, until
-  /// one falls to zero and its vector, perhaps j, leaves A.
+  /// Adds j to A. If it depends on A, weights move along the dependence, where the value is linear, until one
+  /// falls to zero and its vector, perhaps j, leaves A.
   void enter(std::size_t j) {
     constexpr double dependent = 1e-15; // the pivot is then rounding
     for (;;) {
@@ -142,8 +142,8 @@ private:
     return A_.size() == before;
   }
 
-  /// Keeps s of the size of the products whose weights count. A longer vector of little weight does not cost
-  /// the others their digits then.
+  /// Keeps s of the size of the products with large weights, so that a longer vector of little weight does
+  /// not cost the others their digits.
   void fit_shift(std::size_t j) {
     double size = 0;
     for (std::size_t i = 0; i < n_; ++i)
@@ -162,9 +162,9 @@ private:
   std::span<const double> G_, e_;
   std::size_t n_;
   std::vector<double> w_;
-  std::vector<std::size_t> A_; ///< in the order of the factor
+  std::vector<std::size_t> A_; ///< indices in the order of the factor
   double shift_ = 0;           ///< s
-  UpdatedCholesky factor_;     ///< of K_AA
+  UpdatedCholesky factor_;     ///< factor of K_AA
 };
 
 } // namespace
@@ -174,7 +174,7 @@ std::optional<std::vector<double>> simplex_qp(std::span<const double> G, std::sp
   const auto finite = [](double x) { return std::isfinite(x); };
   if (n == 0 || !std::ranges::all_of(G, finite) || !std::ranges::all_of(e, finite))
     return std::nullopt;
-  // Every change lowers the value, so that no A returns; where rounding hides that, the best weights count.
+  // Every change lowers the value, so that no A returns; if rounding prevents that, the best weights count.
   const std::size_t most = 20 * n;
   Search search(G, e);
   std::optional<std::vector<double>> best;

@@ -14,8 +14,8 @@ using petsc::check;
 namespace {
 
 /// Entries of L below which a simplicial factor solves faster than a supernodal one: L is then in the
-/// processor's cache (measured on both sides of this value by `./dev bench`, which reports the time of a
-/// solve).
+/// processor's cache. Measured on both sides of this value by `./dev bench`, which reports the time of a
+/// solve.
 constexpr double small_factor = 1e6;
 
 /// Access to a sequential BAIJ matrix: compressed rows of blocks, the values block by block, each block
@@ -58,8 +58,8 @@ struct SparseCholesky::Cholmod {
   cholmod_factor* factor = nullptr;
   cholmod_dense *work_y = nullptr, *work_e = nullptr;
   std::vector<double> z, x;               ///< scratch of solves (n)
-  std::vector<double> b;                  ///< likewise, where the factor is simplicial, else empty
-  std::optional<TriangularSolves> solves; ///< where the factor is supernodal
+  std::vector<double> b;                  ///< right-hand side of a simplicial factor, else empty
+  std::optional<TriangularSolves> solves; ///< present for a supernodal factor
 
   Cholmod() {
     cholmod_start(&common);
@@ -100,7 +100,7 @@ struct SparseCholesky::Cholmod {
     return A;
   }
 
-  /// Where a right-hand side of triangular_solve() with the given solution is to be put.
+  /// Storage for the right-hand side of triangular_solve() with the given solution.
   std::span<double> right_hand_side(std::span<double> solution) {
     return factor->is_super ? solution : std::span<double>(b);
   }

@@ -8,22 +8,22 @@
 
 namespace signorini {
 
-/// The order in which nodes are eliminated, those of the trailing block last: of all matrices with the same
-/// entries.
+/// Elimination order of the nodes, with those of the trailing block last, for all matrices with the same
+/// nonzero pattern.
 struct EliminationOrder {
   std::vector<int> nodes;
-  double entries = 0; ///< of the factor of all but the trailing block
+  double entries = 0; ///< entries of the factor without the trailing block
 };
 
-/// Factorisation P A Pᵀ = L Lᵀ by CHOLMOD on one rank, with separate forward and backward solves and chosen
-/// nodes (the trailing block, here the contact candidates) last in the elimination order; docs/method.md
-/// section 5. After the forward solve L⁻¹ P b the last c ≪ n entries hold the whole effect of b on the
-/// trailing block; a change of them before the backward solve changes the solution as a load on the
-/// trailing block would.
+/// Factorisation P A Pᵀ = L Lᵀ by CHOLMOD on one rank, with separate forward and backward solves
+/// (docs/method.md section 5). Chosen nodes (the trailing block, here the contact candidates) are last in the
+/// elimination order. After the forward solve L⁻¹ P b the last c ≪ n entries contain the whole effect of b on
+/// the trailing block. A change of them before the backward solve acts on the solution like a load on that
+/// block.
 class SparseCholesky final : public LinearSolver {
 public:
-  /// Chooses the elimination order, or takes `order` if it is not empty, that of a matrix with the same
-  /// entries, and counts the factor's entries. `matrix`: sequential BAIJ, copied; `trailing_block`: nodes
+  /// Chooses the elimination order, or takes `order`, if not empty, from a matrix with the same nonzero
+  /// pattern; counts the factor's entries. `matrix`: sequential BAIJ, copied; `trailing_block`: nodes
   /// (blocks), in the order in which the trailing block's entries are wanted; `most`: number of entries that
   /// can be indexed. Throws SolverFailure.
   SparseCholesky(Mat matrix, std::span<const int> trailing_block,
@@ -38,7 +38,7 @@ public:
   /// Memory of the factorisation by the count of its entries, bytes; a lower bound if it is not possible().
   [[nodiscard]] double estimate() const;
 
-  /// Of a factorisation that is possible().
+  /// Work of a factorisation that is possible().
   [[nodiscard]] FactorWork work() const;
 
   /// Computes the factor; to be called once before solves. Throws SolverFailure.
@@ -66,7 +66,7 @@ private:
   int trailing_size_;
   EliminationOrder order_;
   bool possible_ = true;
-  double entries_ = 0; ///< of the factor without the zeros that pad supernodes
+  double entries_ = 0; ///< entries of the factor, without the zeros that pad supernodes
 };
 
 } // namespace signorini

@@ -18,20 +18,20 @@ namespace signorini {
 
 namespace {
 
-/// Supernodes by which prefetching runs ahead: a supernode has a few kilobytes, and memory latency is about
-/// the time of one or two.
+/// Number of supernodes to prefetch ahead: a supernode has a few kilobytes, and memory latency is about the
+/// time of one or two.
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
 
-/// Columns of a supernode that are solved for before the rows below learn of them.
+/// Columns of a supernode that are solved before the rows below are updated.
 constexpr std::ptrdiff_t panel_width = 64;
 /// Rows, or columns, of a panel that one thread takes at a time.
 constexpr std::ptrdiff_t rows_at_once = 128, columns_at_once = 8;
-/// Entries from which a supernode is worth dividing: threads meet twice a panel, for about the time in which
-/// one reads a thousand.
+/// Entries from which a supernode is worth dividing: threads synchronise twice a panel, for about the time in
+/// which one reads a thousand.
 constexpr std::ptrdiff_t worth_dividing = 16'384;
-/// Into about how many subtrees of equal work the elimination tree is cut: enough for threads to share them
-/// evenly, and the fewer the less is left above them.
+/// Approximate number of subtrees of equal work: enough for threads to share them evenly; the fewer, the less
+/// is left above them.
 constexpr double subtrees_wanted = 48;
 
 /// A dense trapezoid of L, column by column: `height` rows, the first `width` of them its diagonal block.
@@ -125,7 +125,7 @@ void solve_triangle(const Supernode& s, std::ptrdiff_t begin, std::ptrdiff_t wid
   }
 }
 
-/// own ← T⁻ᵀ own.
+/// own ← T⁻ᵀ own with the triangle T of a panel that begins at a column.
 void solve_transposed_triangle(const Supernode& s, std::ptrdiff_t begin, std::ptrdiff_t width, double* own) {
   for (std::ptrdiff_t j = width; j-- > 0;) {
     const double* column = s.values + (begin + j) * s.height + begin;
@@ -135,7 +135,7 @@ void solve_transposed_triangle(const Supernode& s, std::ptrdiff_t begin, std::pt
   }
 }
 
-/// The diagonal block and what is below it, `below` (zeroed here) −= B own.
+/// Solves with the diagonal block; `below` (zeroed here) −= B own.
 void forward(const Supernode& s, double* own, double* below) {
   std::fill_n(below, s.below(), 0.0);
   for (std::ptrdiff_t c = 0; c < s.width; c += panel_width) {
@@ -146,7 +146,7 @@ void forward(const Supernode& s, double* own, double* below) {
   }
 }
 
-/// The diagonal block after own −= Bᵀ below.
+/// Solves with the transposed diagonal block after own −= Bᵀ below.
 void backward(const Supernode& s, double* own, const double* below) {
   for (std::ptrdiff_t c = (s.width - 1) / panel_width * panel_width; c >= 0; c -= panel_width) {
     const std::ptrdiff_t width = std::min(panel_width, s.width - c), end = c + width;
@@ -168,7 +168,7 @@ void take_at(const int* rows, std::ptrdiff_t count, std::span<const double> z, d
     to[i] = z[rows[i]];
 }
 
-/// The supernode that the first row below belongs to, the parent in the elimination tree, −1 for a root.
+/// Parent of each supernode in the elimination tree, the one of its first row below; −1 for a root.
 std::vector<int> parents(const cholmod_factor& L) {
   const auto* super = static_cast<const int*>(L.super);
   std::vector<int> of_column(L.n), parent(L.nsuper, -1);
@@ -192,9 +192,9 @@ TriangularSolves::TriangularSolves(const cholmod_factor& L)
 void TriangularSolves::plan_subtrees() {
   const std::vector<int> parent = parents(L_);
   const std::size_t n = parent.size();
-  std::vector<double> work(n);    // of a subtree: entries of L
-  std::vector<int> first(n);      // supernode of a subtree
-  std::vector<int> members(n, 1); // of a subtree
+  std::vector<double> work(n);    // entries of L in each subtree
+  std::vector<int> first(n);      // first supernode of each subtree
+  std::vector<int> members(n, 1); // supernodes of each subtree
   std::vector<std::vector<int>> children(n);
   using Heavy = std::pair<double, int>;
   std::priority_queue<Heavy> cut;

@@ -8,12 +8,12 @@
 namespace signorini {
 
 /// Forward and backward solves with a supernodal factor L of CHOLMOD (real, 32-bit indices), on the threads
-/// of OpenMP: subtrees of the elimination tree that are independent of each other by one thread each, the
-/// supernodes above them one after another by all, each divided by rows or columns. The division and the
-/// order of every sum depend on L alone, so results are the same to the last bit on any number of threads.
+/// of OpenMP. One thread each solves independent subtrees of the elimination tree; all threads solve the
+/// supernodes above them one after another, each divided by rows or columns. The division and the order of
+/// every sum depend on L alone, so results are the same to the last bit on any number of threads.
 ///
-/// Faster than CHOLMOD's own solves on one thread too, which call the BLAS for every supernode, since it
-/// prefetches the next supernodes from memory (`./dev bench scaling`).
+/// They are faster than CHOLMOD's own solves on one thread too, which call the BLAS for every supernode,
+/// since they prefetch the next supernodes from memory (`./dev bench scaling`).
 class TriangularSolves {
 public:
   /// Plans the solves. `L` must outlive this object unchanged.
@@ -21,7 +21,7 @@ public:
 
   /// z ← L⁻¹ z (n), in place. One solve at a time. Not collective.
   void forward(std::span<double> z);
-  /// z ← L⁻ᵀ z, likewise.
+  /// z ← L⁻ᵀ z (n), in place. One solve at a time. Not collective.
   void backward(std::span<double> z);
 
   /// Memory beside the factor.
@@ -32,7 +32,7 @@ private:
   /// columns reach are those below the root's diagonal block.
   struct Subtree {
     int first, root;
-    std::size_t outside; ///< where its entries of outside_ begin
+    std::size_t outside; ///< start of its entries of outside_
   };
   /// Supernodes above the subtrees, one after another: a single one divided among all threads, or small ones
   /// for one thread.
@@ -53,9 +53,9 @@ private:
   const cholmod_factor& L_;
   std::vector<Subtree> subtrees_;
   std::vector<Trunk> trunk_;
-  std::vector<int> inside_;     ///< of each supernode, how many of its rows below lie in its subtree
-  std::vector<int> place_;      ///< of each row of L.s outside its subtree, among those below the root
-  std::vector<double> outside_; ///< what subtrees add to the rows outside, or take from there
+  std::vector<int> inside_;     ///< number of rows below each supernode that lie in its subtree
+  std::vector<int> place_;      ///< position of each row of L.s outside its subtree among rows below the root
+  std::vector<double> outside_; ///< contributions of subtrees to the rows outside, or values from there
   std::vector<double> shared_;  ///< scratch of a divided supernode (maxesize)
   std::vector<std::vector<double>> work_; ///< scratch of each thread (maxesize)
 };

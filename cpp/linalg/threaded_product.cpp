@@ -12,9 +12,9 @@ namespace {
 using petsc::check;
 
 constexpr const char* attached = "signorini_threaded_product";
-/// Stored entries from which threads gain more than they lose by meeting.
+/// Stored entries from which threads gain more than their synchronisation costs.
 constexpr std::ptrdiff_t worth_threads = 50'000;
-/// Parts of equal work that the rows are divided into.
+/// Number of parts of equal work that the rows are divided into.
 constexpr std::ptrdiff_t parts_wanted = 32;
 
 /// Product y = A x + z (z null: none) of one matrix; y may be z.
@@ -44,8 +44,8 @@ std::vector<PetscInt> parts(const Rows& rows) {
   return first;
 }
 
-/// The upper half of a symmetric matrix of blocks. What a part adds to rows of later parts waits in a store
-/// of its own, and is added in the order of the parts.
+/// Upper half of a symmetric matrix of blocks. The contributions of a part to rows of later parts are stored
+/// apart, and added in the order of the parts.
 template <int size>
 class SymmetricProduct final : public Product {
 public:
@@ -105,7 +105,7 @@ private:
     }
   }
 
-  /// Adds to the rows of a part what earlier ones left for them.
+  /// Adds the contributions of earlier parts to the rows of a part.
   void collect(std::size_t p, double* y) {
     const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_[p]) * size,
                          end = static_cast<std::ptrdiff_t>(first_[p + 1]) * size;
@@ -119,7 +119,7 @@ private:
 
   Rows rows_;
   std::vector<PetscInt> first_;
-  std::vector<std::vector<double>> reached_; ///< by each part, of the rows after it
+  std::vector<std::vector<double>> reached_; ///< contributions of each part to the rows after it
 };
 
 /// A scalar matrix applied to each of `size` components.
@@ -163,7 +163,7 @@ Rows rows_of(Mat matrix, PetscScalar* values) {
   return rows;
 }
 
-/// Null for matrices of other kinds and small ones.
+/// Threaded product of a matrix; null for matrices of other kinds and small ones.
 std::unique_ptr<Product> product_of(Mat matrix) {
   PetscBool symmetric = PETSC_FALSE, components = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATSEQSBAIJ, &symmetric));
@@ -220,7 +220,7 @@ PetscErrorCode set_destroy(PetscContainer container) {
   return PetscContainerSetUserDestroy(container, destroy);
 }
 #else
-// The address of a pointer, by its type until PETSc 3.24 and as a void* since.
+// Address of a pointer, by its type until PETSc 3.24 and as a void* since.
 template <class Address>
 PetscErrorCode destroy(Address address) {
   void*& own = *static_cast<void**>(address);

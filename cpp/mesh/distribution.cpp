@@ -17,9 +17,8 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> distributed(MPI_Comm comm, const Ra
   for (std::size_t p = 0; p < raw.points.size(); p += 3)
     x.insert(x.end(), &raw.points[p], &raw.points[p] + dim);
   const std::size_t nodes = raw.points.size() / 3;
-  // Rank 0, which has all cells, divides them alone and on one thread (unless the user wants more): the
-  // result of several ranks or threads depends on who comes first, and the same run would be divided
-  // otherwise.
+  // Rank 0, which has all cells, divides them alone and on one thread, unless the user sets more. With
+  // several ranks or threads the division depends on timing, and is not reproducible.
   setenv("SCOTCH_PTHREAD_NUMBER", "1", 0);
   MPI_Comm dividing = rank(comm) == 0 ? MPI_COMM_SELF : MPI_COMM_NULL;
   return std::make_shared<dolfinx::mesh::Mesh<double>>(

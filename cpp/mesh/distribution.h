@@ -12,8 +12,8 @@ class Mesh;
 
 namespace signorini::mesh {
 
-/// Distributes a mesh that rank 0 has over the ranks of a communicator, where `dim` is known to all; its
-/// input numbers are the rows of `raw`. Collective.
+/// Distributes a mesh from rank 0 over the ranks of a communicator; `dim` is given on every rank. Its input
+/// numbers are the rows of `raw`. Collective.
 std::shared_ptr<dolfinx::mesh::Mesh<double>> distributed(MPI_Comm comm, const RawMesh& raw, int dim);
 
 } // namespace signorini::mesh

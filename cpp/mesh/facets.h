@@ -9,7 +9,7 @@
 
 namespace signorini::mesh {
 
-/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries hold
+/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries are
 /// the largest integer, which sorts behind all node numbers.
 using SortedNodes = std::array<std::int64_t, 4>;
 
@@ -24,11 +24,10 @@ inline SortedNodes sorted_nodes(std::span<const std::int64_t> nodes) {
 /// A facet of one cell.
 struct Facet {
   SortedNodes nodes;
-  std::int64_t opposite; ///< the cell's vertex opposite of it
+  std::int64_t opposite; ///< the cell's vertex opposite the facet
 };
 
-/// The facets of every cell (cells × (dim + 1) nodes), sorted by their nodes: one between two cells is there
-/// twice.
+/// Facets of every cell (cells × (dim + 1) nodes), sorted by their nodes: one between two cells occurs twice.
 inline std::vector<Facet> sorted_facets(int dim, std::span<const std::int64_t> cells) {
   const std::size_t corners = static_cast<std::size_t>(dim) + 1;
   std::vector<Facet> facets;
@@ -44,7 +43,7 @@ inline std::vector<Facet> sorted_facets(int dim, std::span<const std::int64_t> c
   return facets;
 }
 
-/// Those of sorted_facets() that one cell has alone: the boundary.
+/// Facets of sorted_facets() that belong to one cell alone: the boundary.
 inline std::vector<Facet> outer_facets(const std::vector<Facet>& sorted) {
   std::vector<Facet> outer;
   for (std::size_t f = 0; f < sorted.size(); ++f)

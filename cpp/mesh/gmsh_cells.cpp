@@ -63,10 +63,10 @@ void GmshCells::require_dimension() {
     raw_.dim = dim;
   }
   if (types.empty())
-    fail("the mesh has no elements (is the file incomplete?), allowed is a mesh of triangles or tetrahedra");
+    fail("the mesh has no elements (is the file incomplete?); use a mesh of triangles or tetrahedra");
   if (raw_.dim < 2)
     fail(fmt::format(
-        "the highest elements of the mesh are those of a {}, allowed is a mesh of triangles or tetrahedra",
+        "the highest elements of the mesh are those of a {}; use a mesh of triangles or tetrahedra",
         entity_kind(raw_.dim)));
 }
 
@@ -80,7 +80,7 @@ void GmshCells::number_from_one() {
     const int number = entity < 0 ? ++last : entity;
     if (number != entity)
       gmsh::model::setTag(dim, entity, number);
-    if (entity != 0) // of what is in no group
+    if (entity != 0) // 0: elements in no group
       entities_of_[{dim, std::abs(entity)}].push_back(number);
   }
 }
@@ -120,15 +120,15 @@ void GmshCells::number_points(const std::vector<std::int64_t>& cells) {
     number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
     const std::array<double, 3> x = drawn(tag);
     if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
-      fail(fmt::format("node {} is at ({}, {}, {}), allowed are finite coordinates", tag, x[0], x[1], x[2]));
+      fail(fmt::format("node {} is at ({}, {}, {}); expected finite coordinates", tag, x[0], x[1], x[2]));
     raw_.points.insert(raw_.points.end(), x.begin(), x.end());
     extent = std::max({extent, std::abs(x[0]), std::abs(x[1])});
     off_plane = std::max(off_plane, std::abs(x[2]));
   }
   if (raw_.dim == 2 && off_plane > 1e-12 * extent)
-    fail(fmt::format(
-        "the triangles leave the plane z = 0 by {} m, allowed are triangles in that plane, or tetrahedra",
-        off_plane));
+    fail(
+        fmt::format("the triangles leave the plane z = 0 by {} m; use triangles in that plane, or tetrahedra",
+                    off_plane));
 }
 
 void GmshCells::require_node(std::int64_t tag) const {
@@ -158,13 +158,13 @@ Simplex GmshCells::simplex(const std::int64_t* nodes) const {
 void GmshCells::require_extent() const {
   for (std::size_t c = 0; c < raw_.cells.size(); c += raw_.dim + 1)
     if (const Simplex cell = simplex(&raw_.cells[c]); !(cell.volume() > 1e-14 * cell.edge_product()))
-      fail(fmt::format("the {0} at {1} has no {2}, allowed are {3} that have one", words(raw_.dim).cell,
+      fail(fmt::format("the {0} at {1} has no {2}; use {3} that have one", words(raw_.dim).cell,
                        place(raw_.cells[c]), words(raw_.dim).extent, words(raw_.dim).cells));
 }
 
 void GmshCells::keep_single_cells() {
   const std::size_t corners = raw_.dim + 1, count = raw_.cells.size() / corners;
-  std::vector<std::pair<SortedNodes, std::int64_t>> cells; // with its row
+  std::vector<std::pair<SortedNodes, std::int64_t>> cells; // nodes and row
   for (std::size_t row = 0; row < count; ++row)
     cells.emplace_back(sorted_nodes(std::span(raw_.cells).subspan(row * corners, corners)), row);
   std::ranges::sort(cells);
@@ -174,7 +174,7 @@ void GmshCells::keep_single_cells() {
     const bool copy = i > 0 && cells[i - 1].first == nodes;
     first[row] = copy ? first[cells[i - 1].second] : row;
     if (copy && (!entities_are_groups_ || entity_of(cells[i - 1].second) == entity_of(row)))
-      fail(fmt::format("the {} at {} is in the mesh twice, allowed is once", words(raw_.dim).cell,
+      fail(fmt::format("the {} at {} is in the mesh twice; remove one", words(raw_.dim).cell,
                        place(nodes[0])));
   }
   std::vector<std::int64_t> single;
@@ -213,7 +213,7 @@ std::span<const std::int64_t> GmshCells::rows_of_entity(int entity) const {
 }
 
 void GmshCells::require_facets_apart() const {
-  const auto side = [&](const Facet& facet) { // whose sign tells on which side of the facet the cell lies
+  const auto side = [&](const Facet& facet) { // its sign is the side of the facet on which the cell lies
     SortedNodes cell = facet.nodes;
     cell[raw_.dim] = facet.opposite;
     return simplex(cell.data()).determinant();
@@ -222,10 +222,10 @@ void GmshCells::require_facets_apart() const {
     if (facets_[f].nodes != facets_[f + 1].nodes)
       continue;
     if (f + 2 < facets_.size() && facets_[f].nodes == facets_[f + 2].nodes)
-      fail(fmt::format("more than two {} share the {} at {}, allowed are one or two", words(raw_.dim).cells,
+      fail(fmt::format("more than two {} share the {} at {}; at most two may", words(raw_.dim).cells,
                        words(raw_.dim).facet, place(facets_[f].nodes[0])));
     if ((side(facets_[f]) > 0) == (side(facets_[f + 1]) > 0))
-      fail(fmt::format("the two {0} that share the {1} at {2} overlap, allowed are {0} on either side of it",
+      fail(fmt::format("the two {0} that share the {1} at {2} overlap; they must lie on either side of it",
                        words(raw_.dim).cells, words(raw_.dim).facet, place(facets_[f].nodes[0])));
   }
 }

@@ -16,12 +16,12 @@
 /// The cells of gmsh's current model, and its groups.
 namespace signorini::mesh {
 
-/// Words of messages for the parts of a mesh of a dimension.
+/// Words for the entities of a mesh of some dimension, for messages.
 struct Words {
   const char *cell, *cells, *facet, *facets;
-  const char* extent;                           ///< "area" or "volume", which a degenerate cell lacks
-  const char* body_kind;                        ///< of a Physical group in a .geo
-  const char *straight_cells, *straight_facets; ///< with gmsh's names
+  const char* extent;                           ///< "area" or "volume", zero for a degenerate cell
+  const char* body_kind;                        ///< kind of a Physical group of cells in a .geo
+  const char *straight_cells, *straight_facets; ///< with their names in gmsh
 };
 
 inline constexpr Words plane_words{.cell = "triangle",
@@ -46,36 +46,36 @@ inline const Words& words(int dim) { return dim == 2 ? plane_words : space_words
 /// Name of a dimension's entities in a .geo.
 const char* entity_kind(int dim);
 
-/// Name of gmsh's for elements of an entity that are no straight simplices; empty if all are.
+/// gmsh's name of elements of an entity that are no straight simplices; empty if all are.
 std::string foreign_elements(int dim, int entity);
 
 /// Tags of the nodes of an entity's elements.
 std::vector<std::int64_t> node_tags(int dim, int entity);
 
-/// The points and cells of gmsh's current model, validated: triangles in the plane z = 0, or tetrahedra.
+/// Points and cells of gmsh's current model, validated: triangles in the plane z = 0, or tetrahedra.
 class GmshCells {
 public:
-  /// `entities_are_groups`: of elements read with Mesh.SwitchElementTags, whose entities are numbered as
-  /// their groups. Throws UserError.
+  /// Reads the model. `entities_are_groups`: for elements read with Mesh.SwitchElementTags, whose entities
+  /// are numbered as their groups. Throws UserError.
   GmshCells(const scene::Mesh& mesh, bool entities_are_groups);
 
   /// Dimension, points and cells; without groups.
   [[nodiscard]] const RawMesh& raw() const { return raw_; }
-  /// Facets of every cell, as of sorted_facets().
+  /// Facets of every cell, from sorted_facets().
   [[nodiscard]] const std::vector<Facet>& facets() const { return facets_; }
-  /// Rows of an entity's cells; none of one without cells.
+  /// Rows of an entity's cells; empty for one without cells.
   [[nodiscard]] std::span<const std::int64_t> rows_of_entity(int entity) const;
   /// Entities with cells, ascending.
   [[nodiscard]] std::vector<int> entities() const;
   [[nodiscard]] bool entities_are_groups() const { return entities_are_groups_; }
-  /// Dimension and number of groups → entities, if these are groups.
+  /// Map from dimension and number of groups to entities, if these are groups.
   [[nodiscard]] const std::map<std::pair<int, int>, std::vector<int>>& entities_of() const {
     return entities_of_;
   }
 
   /// Whether a cell has the node of this tag.
   [[nodiscard]] bool has(std::int64_t tag) const { return number_.contains(tag); }
-  /// Rows of nodes that cells have.
+  /// Rows of nodes, by their tags, that cells have.
   [[nodiscard]] std::vector<std::int64_t> rows_of(const std::vector<std::int64_t>& tags) const;
   /// Coordinates of a node of the file, m.
   [[nodiscard]] std::array<double, 3> drawn(std::int64_t tag) const;
@@ -86,19 +86,19 @@ public:
 
 private:
   void require_dimension();
-  /// Numbers entities, which are groups, from 1: gmsh takes a negative number, of a group that is passed
-  /// through backwards, for all of them.
+  /// Numbers entities, which are groups, from 1: for gmsh a negative number, that of a group passed through
+  /// backwards, means all of them.
   void number_from_one();
   /// Tags of the nodes of all cells, entity by entity; sets the rows of each.
   std::vector<std::int64_t> cell_tags();
   void number_points(const std::vector<std::int64_t>& cells);
   void require_extent() const;
-  /// Keeps the first copy of each cell: MSH 2 has one for each of its groups. A second copy in one group is
-  /// an error, and in MSH 4 any.
+  /// Keeps the first copy of each cell: MSH 2 has one for each of its groups. Throws UserError for a second
+  /// copy in one group, and in MSH 4 for any.
   void keep_single_cells();
-  /// Of a cell, by its row as read.
+  /// Entity of a cell, by its row as read.
   [[nodiscard]] int entity_of(std::int64_t row) const;
-  /// Each facet may belong to one cell, or to two that are on either side of it.
+  /// Throws UserError unless each facet belongs to one cell, or to two that are on either side of it.
   void require_facets_apart() const;
   [[nodiscard]] Simplex simplex(const std::int64_t* nodes) const;
   [[nodiscard]] const double* point(std::int64_t node) const { return &raw_.points[3 * node]; }
@@ -118,7 +118,7 @@ private:
   std::vector<Facet> facets_;
 };
 
-/// The cells of gmsh's current model with its groups. `names`: of groups, where the file has them. Throws
+/// Cells of gmsh's current model with its groups. `names`: names of groups, where the file has them. Throws
 /// UserError where some cells are in no group.
 RawMesh with_groups(const GmshCells& cells, const MshFile::GroupNames& names);
 

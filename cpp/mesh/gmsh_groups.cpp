@@ -45,7 +45,7 @@ private:
     return groups;
   }
 
-  /// Of a group, and whether that is its number.
+  /// Name of a group, and whether it is only its number.
   [[nodiscard]] std::pair<std::string, bool> name_of(int dim, int tag) const {
     std::string name;
     if (const auto found = names_.find({dim, tag}); found != names_.end())
@@ -60,8 +60,8 @@ private:
     for (const PhysicalGroup& group : physical_groups()) {
       const auto [name, number] = name_of(group.dim, group.tag);
       if (numbers.try_emplace({group.dim, name}, number).first->second != number)
-        raw_.unusable[group.dim][name] = "cannot be told from another, which has no name but this number; "
-                                         "give that one a name";
+        raw_.unusable[group.dim][name] =
+            "cannot be distinguished from another, which has no name but this number; give that one a name";
       if (group.dim == raw_.dim)
         add_part(name, group);
       else if (group.dim == raw_.dim - 1)
@@ -78,7 +78,8 @@ private:
       raw_.facets.erase(name);
   }
 
-  /// gmsh leaves entities that a .geo does not draw, or no longer after a boolean operation, out of groups.
+  /// Marks groups from which gmsh left out entities as unusable: those that the .geo does not draw, or no
+  /// longer after a boolean operation.
   void find_incomplete_groups() {
     std::vector<std::string> log;
     gmsh::logger::get(log);
@@ -107,7 +108,7 @@ private:
     }
   }
 
-  /// First rows, and those past the last, of runs of rows, which are sorted.
+  /// Runs of consecutive rows, each by its first row and one past its last; sorts `rows`.
   static std::vector<std::int64_t> ranges(std::vector<std::int64_t>& rows) {
     std::ranges::sort(rows);
     std::vector<std::int64_t> found;
@@ -119,8 +120,8 @@ private:
     return found;
   }
 
-  /// A group whose elements are no facets of cells, such as a floor that is drawn, is unusable, which matters
-  /// where the scene names it.
+  /// Adds a group of facets. A group with elements that are no facets of cells, such as a floor that is
+  /// drawn, is unusable, which matters where the scene names it.
   void add_facets(const std::string& name, const PhysicalGroup& group) {
     const Words& word = words(raw_.dim);
     std::vector<std::int64_t>& facets = raw_.facets[name];
@@ -153,7 +154,8 @@ private:
     return std::ranges::binary_search(cells_.facets(), sorted_nodes(nodes), {}, &Facet::nodes);
   }
 
-  /// Names the body and its boundary where the file does not. Where some cells have a group, all must.
+  /// Names the body and its boundary where the file does not. Throws UserError if only some cells have a
+  /// group.
   void name_untagged() {
     const std::size_t count = raw_.cells.size() / (raw_.dim + 1);
     std::vector<bool> grouped(count);
@@ -192,10 +194,10 @@ private:
       if (cells_.entities_are_groups()) // then this is its number, or the first of several entities'
         gmsh::model::getPhysicalGroupsForEntity(raw_.dim, entity, numbers);
       const int number = numbers.empty() ? entity : numbers.front();
-      cells_.fail(fmt::format(
-          "{0} {1} has {2} {3} in no physical group, though others are in one; add it to one, "
-          "such as: Physical {4}(\"body\") = {{{1}}};, or delete it",
-          entity_kind(raw_.dim), number, bare, bare == 1 ? word.cell : word.cells, word.body_kind));
+      cells_.fail(fmt::format("{0} {1} has {2} {3} in no physical group, though others are; add it to one, "
+                              "as by Physical {4}(\"body\") = {{{1}}};, or delete it",
+                              entity_kind(raw_.dim), number, bare, bare == 1 ? word.cell : word.cells,
+                              word.body_kind));
     }
     std::abort(); // some range has that cell
   }

@@ -59,7 +59,7 @@ std::array<double, 3> sides_of_model() {
   return {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
 }
 
-/// Sets the size of all elements of a body of which nothing is known yet: a tenth of its longest side.
+/// Sets the first size of all elements where mesh.size is automatic: a tenth of the body's longest side.
 void set_coarsest_size() {
   constexpr double parts = 10;
   set_size(std::ranges::max(sides_of_model()) / parts);
@@ -68,7 +68,7 @@ void set_coarsest_size() {
 /// Sets the sizes of a field, whose unit is the metre; `metres`: length of the file's unit.
 void set_sizes(const SizeField& field, double metres) {
   const auto corners = static_cast<std::size_t>(field.dim) + 1;
-  std::vector<double> data; // of each cell x of its corners, y, z, sizes
+  std::vector<double> data; // for each cell x of its corners, y, z, sizes
   data.reserve(field.cells.size() * 4);
   for (std::size_t first = 0; first < field.cells.size(); first += corners) {
     const auto node = [&](std::size_t i) { return static_cast<std::size_t>(field.cells[first + i]); };
@@ -84,7 +84,7 @@ void set_sizes(const SizeField& field, double metres) {
   const int sizes = gmsh::model::mesh::field::add("PostView");
   gmsh::model::mesh::field::setNumber(sizes, "ViewTag", view);
   gmsh::model::mesh::field::setAsBackgroundMesh(sizes);
-  // The field alone tells.
+  // Only the field sets sizes.
   for (const char* other : {"Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromPoints",
                             "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromParametricPoints"})
     gmsh::option::setNumber(other, 0);
@@ -107,10 +107,10 @@ double measure(int dim, double size) {
   return sum;
 }
 
-/// Throws UserError if the elements of mesh.size in the model, just opened from the file `opened`, are more
-/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves this open.
+/// Throws UserError if mesh.size makes more elements in the model, just opened from the file `opened`, than
+/// are feasible: gmsh would try for hours. If the bounding box is inconclusive a coarse mesh decides.
 void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
-  constexpr double most = 1e8, doubtful = 1e7;
+  constexpr double most = 1e8, suspicious = 1e7;
   const int dim = gmsh::model::getDimension();
   if (dim < 2)
     return;
@@ -118,29 +118,27 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   const double metres = scene::metres(mesh.unit), longest = std::ranges::max(sides);
   constexpr double coarsest = 10; // times the body
   if (*mesh.size > coarsest * (metres * longest))
-    throw UserError(
-        fmt::format("mesh.size: found {:.4g} m, allowed is at most {:.3g} m for a body of {:.3g} m; "
-                    "the size is in metres, whatever mesh.unit is",
-                    *mesh.size, coarsest * (metres * longest), metres * longest));
+    throw UserError(fmt::format("mesh.size: found {:.4g} m; expected at most {:.3g} m for a body of {:.3g} m "
+                                "(in metres, whatever mesh.unit is)",
+                                *mesh.size, coarsest * (metres * longest), metres * longest));
   const double size = *mesh.size / metres,
                cell = std::pow(size, dim) *
                       (dim == 2 ? std::sqrt(3.0) / 4 : std::sqrt(2.0) / 12); // regular ones
-  if (!(sides[0] * sides[1] * (dim == 3 ? sides[2] : 1) > doubtful * cell))
+  if (!(sides[0] * sides[1] * (dim == 3 ? sides[2] : 1) > suspicious * cell))
     return;
   const double cells = measure(dim, longest / (dim == 2 ? 20 : 8)) / cell;
   if (!(cells <= most))
-    throw UserError(fmt::format("mesh.size: found {:.4g} m, which makes some {:.1e} cells of a body of "
-                                "{:.3g} m, allowed are sizes that make "
-                                "no more than {:.0e}; a file in millimetres has mesh.unit = \"mm\"",
+    throw UserError(fmt::format("mesh.size: found {:.4g} m, some {:.1e} cells of a body of {:.3g} m; the "
+                                "limit is {:.0e} cells (a file in millimetres needs mesh.unit = \"mm\")",
                                 *mesh.size, cells, metres * longest, most));
   gmsh::clear();
-  gmsh::logger::stop(); // what it says of the coarse mesh is no matter
+  gmsh::logger::stop(); // messages on the coarse mesh do not matter
   gmsh::logger::start();
   gmsh::open(opened);
 }
 
-/// Sets options by which a .geo asks for other cells than straight simplices to those that give them; a note
-/// for each that it had set. Cells are straight in any case, and the degree is the scene's.
+/// Resets options by which a .geo selects other cells than straight simplices; returns a note for each that
+/// it had set. Cells are straight in any case, and the degree is the scene's.
 std::vector<std::string> ask_for_straight_simplices() {
   std::vector<std::string> notes;
   for (const auto& [option, value] :
@@ -159,7 +157,7 @@ std::vector<std::string> ask_for_straight_simplices() {
 }
 
 /// Throws UserError for a .geo whose last line has several statements and no end: gmsh drops all but the
-/// first without a word.
+/// first without a message.
 void require_last_line(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -173,7 +171,7 @@ void require_last_line(const std::string& file) {
                     file));
 }
 
-/// Joins what was divided among processes, without ghost cells, which are copies.
+/// Joins the partitions of a mesh, without ghost cells, which are copies.
 void join_partitions() {
   if (gmsh::model::getNumberOfPartitions() > 0)
     gmsh::model::mesh::unpartition();
@@ -201,9 +199,9 @@ void require_all(const MshFile& msh, const std::string& file) {
                                   line.substr(at + dropped.size())));
 }
 
-/// Takes away what the .geo has meshed itself (Mesh 2; Save …), which gmsh would keep whatever size is asked
-/// for; false where there is nothing else, as of a mesh that it merges. Throws UserError where that has a
-/// size.
+/// Removes the mesh that a .geo has made itself (Mesh 2; Save …), which gmsh would keep for any size. Returns
+/// false if there is nothing else, as with a mesh that the .geo merges. Throws UserError if the scene sets a
+/// size then.
 bool is_to_be_meshed(const scene::Mesh& mesh) {
   std::vector<std::size_t> nodes;
   std::vector<double> coordinates, parameters;
@@ -221,7 +219,7 @@ bool is_to_be_meshed(const scene::Mesh& mesh) {
     gmsh::model::mesh::clear();
   else if (mesh.size || mesh.automatic() || mesh.scale != 1)
     throw UserError(fmt::format("mesh.size: has no effect on {}, which merges a mesh and has no geometry; "
-                                "allowed without a size, or with a .geo that has one",
+                                "remove it, or use a .geo that has one",
                                 mesh.file.string()));
   return !discrete;
 }
@@ -231,8 +229,7 @@ bool is_to_be_meshed(const scene::Mesh& mesh) {
 RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
-    throw UserError(
-        fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
+    throw UserError(fmt::format("mesh.file: {} cannot be read; give the path of a .geo or .msh file", file));
   std::optional<MshFile> msh;
   if (mesh.meshed())
     msh.emplace(mesh.file);
@@ -247,7 +244,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
   std::vector<std::string> notes;
   try {
     const bool groups_per_cell = msh && msh->version() < 3;
-    if (groups_per_cell) // read by its groups: its entities may be anything, such as all of them 1
+    if (groups_per_cell) // read by groups: entities may be anything, such as all of them 1
       gmsh::option::setNumber("Mesh.SwitchElementTags", 1);
     if (!msh)
       require_last_line(file);
@@ -277,7 +274,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
     raw.notes.insert(raw.notes.end(), notes.begin(), notes.end());
     if (!msh && !meshing.keep.empty()) {
       gmsh::option::setNumber("Mesh.Binary", 1);
-      gmsh::option::setNumber("Mesh.SaveAll", 1); // what is in no group too
+      gmsh::option::setNumber("Mesh.SaveAll", 1); // elements in no group too
       gmsh::write(meshing.keep.string());
     }
     return raw;
@@ -290,7 +287,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
 
 namespace {
 
-/// The groups of one dimension, for gmsh: elements that are in the same ones make an entity.
+/// Adds the groups of one dimension to gmsh: elements that are in the same ones make an entity.
 void add_entities(int dim, const std::vector<std::int64_t>& elements,
                   const std::vector<std::vector<std::string>>& groups) {
   const auto corners = static_cast<std::size_t>(dim) + 1;
@@ -323,7 +320,7 @@ void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, scen
     tags[i] = i + 1;
   for (double& x : points)
     x /= metres;
-  // All nodes are one entity's, which has nothing else.
+  // All nodes belong to one entity, which has nothing else.
   gmsh::model::mesh::addNodes(mesh.dim, gmsh::model::addDiscreteEntity(mesh.dim), tags, points);
   std::vector<std::vector<std::string>> groups(mesh.cells.size() / (dim + 1));
   for (const auto& [name, ranges] : mesh.parts)

@@ -17,8 +17,8 @@ std::optional<std::string> ask(const GmshRequest& request, std::optional<unsigne
 void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
   const std::optional<std::string> said = ask({.mesh{.file = file, .size{}, .unit = unit}, .written = mesh});
   if (!said || !said->starts_with(done))
-    throw UserError(fmt::format("{}: gmsh cannot write it ({}), allowed is a file that can be written",
-                                file.string(), said && !said->empty() ? said->substr(1) : "it crashes"));
+    throw UserError(fmt::format("{}: gmsh cannot write it ({}); choose another file", file.string(),
+                                said && !said->empty() ? said->substr(1) : "it crashes"));
 }
 
 RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
@@ -32,9 +32,9 @@ RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
     request.sizes = *meshing.sizes;
   const std::optional<std::string> answer = ask(request, seconds);
   if (!answer)
-    throw UserError(fmt::format(
-        "{}: gmsh crashes on this file or does not come to its end, allowed are whole .geo and .msh files",
-        mesh.file.string()));
+    throw UserError(
+        fmt::format("{}: gmsh crashes on this file or does not finish; check that the file is complete",
+                    mesh.file.string()));
   if (answer->empty())
     throw UserError(
         fmt::format("{}: gmsh ended before the end of this file; take out what ends it, such as Exit",

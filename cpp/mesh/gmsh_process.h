@@ -6,11 +6,11 @@
 /// gmsh in a process of its own, the program signorini-gmsh, since it may crash on a damaged file.
 namespace signorini::mesh {
 
-/// The same as read_gmsh_here(); throws UserError where gmsh crashes, too, and Interrupted if this process
-/// was asked to stop meanwhile. Not collective: call it on one rank.
+/// Runs read_gmsh_here() in a process of its own. Also throws UserError if gmsh crashes, and Interrupted if
+/// this process was asked to stop meanwhile. Not collective: call it on one rank.
 RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing = {});
 
-/// The same as write_msh_here(); throws UserError. Not collective.
+/// Runs write_msh_here() in a process of its own. Throws UserError. Not collective.
 void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit);
 
 } // namespace signorini::mesh

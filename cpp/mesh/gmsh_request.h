@@ -8,12 +8,12 @@
 
 namespace signorini::mesh {
 
-/// What the program signorini-gmsh is asked for: to read or mesh a file, or to write one.
+/// Request to the program signorini-gmsh: to read or mesh a file, or to write one.
 struct GmshRequest {
   scene::Mesh mesh; ///< the file and how it is meshed; its degree does not matter
   std::optional<SizeField> sizes{};
   std::filesystem::path keep{};
-  std::optional<RawMesh> written{}; ///< to the file, in place of reading it
+  std::optional<RawMesh> written{}; ///< mesh to write to the file, in place of reading it
 };
 
 std::string packed(const GmshRequest& request);
@@ -21,7 +21,7 @@ std::string packed(const GmshRequest& request);
 /// Inverse of packed(). Throws std::exception.
 GmshRequest request_of(const std::string& bytes);
 
-/// First byte of an answer: the mesh, packed, or nothing; or an error.
+/// First byte of an answer: `done` before the packed mesh or nothing, `failed` before an error.
 constexpr char done = 'm', failed = 'e';
 
 } // namespace signorini::mesh

@@ -66,7 +66,7 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
   return cells;
 }
 
-/// What reading a mesh gives that has been written, with its order of cells.
+/// Writes a mesh, and returns it as read again, with the order of cells in the file.
 RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path& file) {
   write_msh(raw, file, scene.unit);
   scene.file = file;
@@ -86,12 +86,12 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
       raw = read_gmsh(mesh, meshing);
       if (mesh.meshed() && !meshing.keep.empty())
         raw = kept(meshing.sizes ? refined(std::move(raw), *meshing.sizes) : raw, mesh, meshing.keep);
-    } catch (const Interrupted&) { // which all ranks are told of below
+    } catch (const Interrupted&) { // all ranks throw it below
     }
   });
   if (stop_requested(comm))
     throw Interrupted();
-  notes_ = std::exchange(raw.notes, {}); // no part of what tells meshes apart
+  notes_ = std::exchange(raw.notes, {}); // not part of the mesh's digest
   if (rank(comm) == 0)
     dim_ = raw.dim, extent_ = bounding_box(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);
@@ -104,7 +104,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
   topology->create_connectivity(dim_ - 1, dim_);
   topology->create_connectivity(dim_, dim_ - 1);
 
-  RawMesh groups; // those of the file, on every rank
+  RawMesh groups; // the file's groups, on every rank
   groups.facets = raw.facets;
   groups.parts = raw.parts;
   groups.other_groups = raw.other_groups;
@@ -148,19 +148,18 @@ int Mesh::find(const std::string& group, const std::string& key, const std::vect
     return found.front();
   const std::string kind = fmt::format("{} group", fmt::join(kinds, " or "));
   if (found.size() > 1)
-    throw UserError(
-        fmt::format("{}: {} has a {} group and a {} group \"{}\", allowed is a name that one of them has",
-                    key, file_, kinds[0], kinds[1], group));
+    throw UserError(fmt::format("{}: {} has a {} group and a {} group \"{}\"; rename one of them", key, file_,
+                                kinds[0], kinds[1], group));
   if (!unusable.empty())
     throw UserError(fmt::format("{}: the group \"{}\" of {} {}", key, group, file_, unusable));
   if (empty)
-    throw UserError(fmt::format("{}: the group \"{}\" of {} has no elements, allowed is a {} with elements",
-                                key, group, file_, kind));
+    throw UserError(fmt::format("{}: the group \"{}\" of {} has no elements; choose a {} with elements", key,
+                                group, file_, kind));
   const std::string allowed = lists.empty() ? "the file has none" : fmt::format("{}", fmt::join(lists, "; "));
   for (std::size_t dim = 0; dim < groups_.size(); ++dim)
     if (groups_[dim].contains(group))
-      throw UserError(fmt::format("{}: the group \"{}\" of {} has dimension {}, allowed are {}", key, group,
-                                  file_, dim, allowed));
+      throw UserError(
+          fmt::format("{}: the group \"{}\" of {} has dimension {}; {}", key, group, file_, dim, allowed));
   throw UserError(fmt::format("{}: {} has no {} \"{}\" with elements{}; {}", key, file_, kind, group,
                               suggestion(group, names), allowed));
 }

@@ -20,17 +20,17 @@ namespace signorini::mesh {
 
 struct SizeField;
 
-/// How a .geo is meshed beside what the scene says.
+/// Options for meshing a file, beside the scene's.
 struct Meshing {
-  const SizeField* sizes = nullptr; ///< in place of mesh.size, or to refine a .msh to; read on rank 0
-  std::filesystem::path keep{}; ///< where the mesh is written as a .msh, in the file's unit; empty: nowhere
+  const SizeField* sizes = nullptr; ///< replaces mesh.size, or refines a .msh; read on rank 0
+  std::filesystem::path keep{};     ///< path to write the mesh to as a .msh, in the file's unit; empty: none
 };
 
 /// A distributed mesh of straight simplices with named groups of cells (parts of the body) and of facets
 /// (surfaces).
 class Mesh {
 public:
-  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError, or Interrupted if a
+  /// Reads a .geo or .msh on rank 0 and distributes it. Collective. Throws UserError, or Interrupted if a
   /// rank was asked to stop meanwhile, on every rank alike.
   Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing = {});
 
@@ -39,13 +39,13 @@ public:
 
   /// Sides of the bounding box, m.
   [[nodiscard]] const std::array<double, 3>& extent() const { return extent_; }
-  /// Its diagonal, m: the reference length of tolerances for gaps.
+  /// Diagonal of the bounding box, m: the reference length of tolerances for gaps.
   [[nodiscard]] double diameter() const { return std::hypot(extent_[0], extent_[1], extent_[2]); }
 
   /// Number of cells on all ranks.
   [[nodiscard]] std::int64_t cells() const { return cells_; }
 
-  /// All cells that this rank owns, local indices ascending.
+  /// Cells that this rank owns, local indices ascending.
   [[nodiscard]] std::vector<std::int32_t> owned_cells() const;
 
   /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if
@@ -63,10 +63,10 @@ public:
   /// on every rank.
   [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
-  /// Digest of points, cells and groups as read, which tells meshes apart; empty on ranks other than 0.
+  /// Digest of points, cells and groups as read, which identifies the mesh; empty on ranks other than 0.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 
-  /// How the file was understood where it leaves that open, a sentence each; empty on ranks other than 0.
+  /// Notes on how ambiguities of the file were resolved, a sentence each; empty on ranks other than 0.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
@@ -83,7 +83,7 @@ private:
   struct Group {
     std::vector<std::int32_t> entities; ///< on this rank; empty for groups of neither cells nor facets
     bool empty = true;                  ///< whether it has no elements in the file
-    std::string unusable{};             ///< why, if it is
+    std::string unusable{};             ///< why it is unusable, if it is
   };
   using Groups = std::map<std::string, Group>;
   std::array<Groups, 4> groups_; ///< by dimension

@@ -39,13 +39,12 @@ void require_beginning(const std::string& file, std::string_view text) {
   std::string found;
   for (char c : line.substr(0, shown))
     found += ' ' <= c && c <= '~' ? c : '?';
-  throw UserError(fmt::format(
-      "{}: not a .msh file of gmsh: {}, allowed are files whose first line is $MeshFormat; convert others "
-      "with gmsh or meshio",
-      file,
-      text.empty()
-          ? "found an empty file"
-          : fmt::format("found \"{}{}\" on its first line", found, line.size() > shown ? "..." : "")));
+  throw UserError(fmt::format("{}: not a .msh file of gmsh: {}; its first line must be $MeshFormat (convert "
+                              "other files with gmsh or meshio)",
+                              file,
+                              text.empty() ? "found an empty file"
+                                           : fmt::format("found \"{}{}\" on its first line", found,
+                                                         line.size() > shown ? "..." : "")));
 }
 
 /// Throws UserError unless the last section that begins also ends: gmsh may accept a truncated file without
@@ -62,7 +61,7 @@ void require_end(const std::string& file, std::string_view text) {
       fmt::format("{}: not a whole .msh file: it lacks the end of a section ($End...); write it anew", file));
 }
 
-/// What follows a heading such as $MeshFormat, where a number should.
+/// Text that follows a heading such as $MeshFormat, where a number is expected.
 std::string behind(std::string_view heading, std::string_view text) {
   constexpr std::size_t longest = 20;
   const std::size_t at = text.find(heading);
@@ -105,8 +104,8 @@ MshFile::MshFile(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad())
-    throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file",
-                                file.string()));
+    throw UserError(
+        fmt::format("mesh.file: {} cannot be read; give the path of a .geo or .msh file", file.string()));
   require_beginning(file.string(), text);
   require_end(file.string(), text);
   version_ = std::strtod(behind("$MeshFormat", text).c_str(), nullptr);
@@ -119,8 +118,7 @@ MshFile::MshFile(const std::filesystem::path& file) {
     if (copy_ >= 0)
       close(copy_);
     throw UserError(
-        fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
-                    file.string(), reason));
+        fmt::format("{}: cannot be copied into memory ({}); use a smaller mesh", file.string(), reason));
   }
   lseek(copy_, 0, SEEK_SET); // where opening a descriptor anew does not
   path_ = fmt::format("{}/{}", descriptors, copy_);

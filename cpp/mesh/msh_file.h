@@ -8,9 +8,9 @@
 
 namespace signorini::mesh {
 
-/// A validated copy of a .msh in memory, to be read by gmsh in place of the file: gmsh would run a file that
-/// does not begin as a mesh as a script, and run the options of a file beside it (x.msh.opt). What is
-/// validated is what gmsh reads, even if the file changes.
+/// Validated copy of a .msh in memory, which gmsh reads in place of the file. gmsh itself would run a file
+/// that does not begin as a mesh as a script, and the options of a file beside it (x.msh.opt). The validated
+/// text is what gmsh reads, even if the file changes.
 class MshFile {
 public:
   /// Throws UserError for a file that cannot be read, does not begin as MSH, is truncated or does not fit
@@ -23,9 +23,9 @@ public:
   /// Path under which this process can open the copy; unrelated to the file's own.
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// Of its format, such as 2.2 or 4.1.
+  /// Version of its format, such as 2.2 or 4.1.
   [[nodiscard]] double version() const { return version_; }
-  /// Number of elements that it announces, 0 if its format does not.
+  /// Number of elements that the file announces, 0 if its format does not.
   [[nodiscard]] std::size_t elements() const { return elements_; }
 
   using GroupNames = std::map<std::pair<int, int>, std::string>; ///< dimension and number → name

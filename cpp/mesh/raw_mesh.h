@@ -20,7 +20,7 @@ struct RawMesh {
   std::map<std::string, int> other_groups; ///< groups of lower dimensions → that dimension
   /// Dimension → group of cells or facets that cannot be used → why, as a predicate with what to do.
   std::map<int, std::map<std::string, std::string>> unusable;
-  std::vector<std::string> notes; ///< how the file was understood, a sentence each
+  std::vector<std::string> notes; ///< how ambiguities of the file were resolved, a sentence each
 };
 
 /// Serialises a mesh to bytes, for another process on this machine or a digest.

@@ -5,10 +5,10 @@
 
 namespace signorini::mesh {
 
-/// A mesh whose edges are no longer than √2 times the sizes of a field at their midpoints, by dividing edges
+/// Refines a mesh by dividing edges until none is longer than √2 times the size of a field at its midpoint
 /// (dolfinx; A. Plaza, G. F. Carey, *Local refinement of simplicial grids based on the skeleton*, Appl.
-/// Numer. Math. 32 (2000)). Its parts and boundary groups are those of the one given, and so is its boundary:
-/// of a curve it knows the polygon alone. Not collective.
+/// Numer. Math. 32 (2000)). Its parts, boundary groups and boundary are kept: a curved boundary stays the
+/// polygon of the given mesh. Not collective.
 RawMesh refined(RawMesh mesh, const SizeField& sizes);
 
 } // namespace signorini::mesh

@@ -110,7 +110,7 @@ void limit_by_curvature(SizeField& field, double around) {
     Point normal, middle;
   };
   std::map<std::vector<std::int64_t>, std::vector<Facet>>
-      ridges; // of the boundary: points in the plane, edges
+      ridges; // in the boundary: points in the plane, edges
   for (const auto& [sorted, opposite] : outer_facets(sorted_facets(field.dim, field.cells))) {
     const std::vector<std::int64_t> nodes(sorted.begin(), sorted.begin() + field.dim);
     std::vector<Point> at;
@@ -187,7 +187,7 @@ void for_each_corner(const SizeField& field, Take&& take) {
     take(i / corners, static_cast<std::size_t>(field.cells[i]));
 }
 
-/// Means over the cells at each node, since one cell's indicator is noise.
+/// Means over the cells at each node, since indicators of single cells are noisy.
 struct NodeMeans {
   std::vector<double> size,
       density; ///< edge, m; error per edge^(dim + 2), above 0 unless there is none at all
@@ -242,7 +242,7 @@ SizeField sizes_by(SizeField field, const std::vector<double>& error, double red
       field.sizes[node] = std::clamp(factor * std::pow(density[node], -1.0 / (dim + 2)), old[node] / reach,
                                      old[node] * reach);
     limit_growth(field);
-    double left = 0; // of the error
+    double left = 0; // part of the error
     for_each_corner(field, [&](std::size_t cell, std::size_t node) {
       const double part = field.sizes[node] / edge[cell];
       left += error[cell] * part * part / static_cast<double>(dim + 1);

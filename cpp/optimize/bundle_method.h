@@ -6,21 +6,21 @@
 
 namespace signorini::optimize {
 
-/// Descent among kinks by a bundle method (Lemaréchal 1978): where J at the minimiser of its model is too
-/// high, the gradient there becomes another cut (null step), until the model leads down (serious step);
-/// finally the steps are Newton's along the edge of the pieces of J, and a certificate ends them. A step is
-/// made round by round, between which it can be stored and vectors given up.
+/// Descent among kinks by a bundle method (Lemaréchal 1978). Where J at the minimiser of the model is too
+/// high, the gradient there becomes another cut (null step), until the model leads down (serious step). The
+/// last steps are Newton's along the edge where smooth selections of J meet; a certificate ends them. A step
+/// consists of rounds; between two rounds it can be stored and vectors can be dropped.
 template <TwiceDifferentiable P>
 class BundleMethod {
 public:
   using Vector = typename P::Vector;
 
-  /// Starts from the cut of `at` alone. `length` is that of a long step, of which the balls are parts.
+  /// Starts from the cut of `at` alone. `length`: of a long step, to which radii of balls are relative.
   BundleMethod(const Options& options, const P& problem, const Iterate<P>& at, double length)
       : options_(options), length_(length), bounds_at_(share(at.u)), held_{share(negative(at.g))},
         span_(options.bundle.dependent), model_(options.bundle, {cut(problem, at.g)}) {}
 
-  /// For serialize() from an archive.
+  /// Makes an empty method, to be read from an archive by serialize().
   explicit BundleMethod(const Options& options)
       : options_(options), span_(options.bundle.dependent), model_(options.bundle, {}) {}
 
@@ -45,15 +45,15 @@ public:
 
   /// Result of a round: a new iterate by a serious step, a certificate of stationarity, or neither.
   struct Step {
-    std::optional<Iterate<P>> found{}; ///< the new iterate, the problem's trial
+    std::optional<Iterate<P>> found{}; ///< new iterate, which is the problem's trial
     bool at_other_bounds = false;      ///< the new iterate is at further bounds than the blocked ones
     std::optional<Certificate<Vector>> certificate{};
-    bool over = false; ///< without any of these, and further rounds would not find one
-    double promised = std::numeric_limits<double>::infinity(); ///< decrease by the model, of a serious step
+    bool over = false; ///< no result, and further rounds would find none
+    double promised = std::numeric_limits<double>::infinity(); ///< predicted decrease of a serious step
   };
 
-  /// One round of a step from `at`, where the method started or the last serious step ended. A certificate is
-  /// at most as long as the tolerance of the options, a part of `first_norm`.
+  /// Makes one round of a step from `at`, the start of the method or the end of the last serious step. A
+  /// certificate is at most as long as the tolerance of the options times `first_norm`.
   Step round(P& problem, const Iterate<P>& at, double first_norm) {
     const BundleOptions& options = options_.bundle;
     const double wanted = options_.tolerance * first_norm,
@@ -92,7 +92,7 @@ public:
     return {};
   }
 
-  /// Restricts the subspace where it has almost as many vectors as may be stored.
+  /// Restricts the subspace if it has almost as many vectors as may be stored.
   void make_room() {
     const BundleOptions& options = options_.bundle;
     const std::size_t most = std::min(options.dimension, options_.vectors);
@@ -107,10 +107,10 @@ private:
   /// Radius of a certificate.
   double certificate_ball() const { return Options::ball(options_.tolerance) * length_; }
 
-  /// The end of the rounds.
+  /// Returns the step that ends the rounds.
   Step over() { return {.certificate = std::move(smooth_), .over = true}; }
 
-  /// A vector without its blocked values.
+  /// Returns x with its blocked values set to zero.
   Vector unblocked(const P& problem, Vector x) const {
     for (const Shared<Vector>& d : held_)
       problem.zero_blocked(x, *bounds_at_, *d);
@@ -122,18 +122,18 @@ private:
     return span_.coordinates(problem, unblocked(problem, std::move(g)));
   }
 
-  /// The cut of a gradient, as of the current point.
+  /// Cut of a gradient at the current point.
   Cut cut(const P& problem, const Vector& g) {
     const Coordinates here = coordinates(problem, g);
     return {here, here, {}, 0};
   }
 
   struct BoundedPoint {
-    Vector u;                        ///< within the bounds
-    std::optional<Vector> outside{}; ///< what was beyond them
+    Vector u;                        ///< point within the bounds
+    std::optional<Vector> outside{}; ///< part beyond the bounds
   };
 
-  /// The point at t times an offset.
+  /// Returns the point at t times an offset, projected onto the bounds.
   static BoundedPoint point(const P& problem, const Iterate<P>& at, double t, const Vector& offset) {
     Vector u = at.u;
     u.add(t, offset);
@@ -156,11 +156,12 @@ private:
     return norm(problem, difference(tangential(problem, u, d), d));
   }
 
-  /// The certificate of these weights of the cuts, if gradients evaluated anew confirm it. If they do not,
-  /// they become the cuts of a new model, with only those values blocked that they push out of the bounds.
+  /// Returns the certificate of these weights of the cuts if newly evaluated gradients confirm it. Otherwise
+  /// these gradients become the cuts of a new model, with only the values blocked that their combination
+  /// pushes out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
                                                const std::vector<double>& weights, double tolerance) {
-    std::vector<Cut> gathered_anew; // in full, whatever is blocked
+    std::vector<Cut> gathered_anew; // in full, including blocked values
     GatheredGradients<P> gathered = gather(
         problem, at, weights,
         [&](std::size_t i) {
@@ -204,14 +205,14 @@ private:
     model_ = BundleModel(options_.bundle, std::move(cuts));
   }
 
-  /// The minimiser of the model, also as a vector unless it is zero; adds Hessian products until its
-  /// curvature along the direction is accurate.
+  /// Returns the minimiser of the model, and its vector unless it is zero. Adds Hessian products until the
+  /// model's curvature along the direction is accurate.
   std::pair<Direction, std::optional<Vector>> downhill(P& problem, const Iterate<P>& at) {
     for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
       if (direction.subgradient.length == 0)
         return {std::move(direction), std::nullopt};
-      // A short sum of long vectors has rounding where they have nothing, which would be blocked for ever.
+      // In a sum of long vectors that is short, rounding in blocked values would be blocked again and again.
       Vector d = unblocked(problem, span_.vector(direction.d, at.u));
       if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
         block(problem, d); // without a product, so that none is counted
@@ -232,7 +233,7 @@ private:
     for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
       const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
       auto [u, outside] = point(problem, at, t, d);
-      // Also where a bound is met exactly: block() could not hold there what is free at bounds_at_.
+      // Also where a bound is met exactly: block() cannot block values that are free at bounds_at_.
       const bool at_other_bounds =
           outside || (problem.bounded() && outward(problem, u, tangential(problem, at.u, d)) > 0);
       const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
@@ -244,17 +245,18 @@ private:
       if (at_other_bounds || !std::isfinite(J))
         continue;
       const Coordinates g = coordinates(problem, problem.trial_gradient());
-      if (!std::isfinite(norm(g))) // so far away leads a model that has lost its curvature to rounding
+      if (!std::isfinite(norm(g))) // the model has lost its curvature to rounding and leads far away
         return {.over = true};
-      // A cut above J at the current point is invalid there: a shorter step meets the piece in between.
+      // A cut above J at the current point is invalid there: a shorter step meets the selection in between.
       if (model_.null_step(g, s, Hs, decrease) <= 0 || ++null_steps == options.null_steps)
         break;
     }
     return {};
   }
 
-  /// Replaces the cuts that carry the model's minimum with these weights and were gathered farther than
-  /// `distance` from the current point by cuts of gradients at that distance, where each is the highest.
+  /// Replaces cuts that carry the model's minimum with these weights and were gathered farther than
+  /// `distance` from the current point. The new cuts are gathered at that distance, where each old one is the
+  /// highest.
   void gather_around(P& problem, const Iterate<P>& at, const std::vector<double>& weights, double distance) {
     for (Coordinates& offset : model_.drop_distant(weights, distance)) {
       auto [u, outside] = point(problem, at, offset);
@@ -266,14 +268,14 @@ private:
   }
 
   Options options_;
-  double length_ = 0; ///< of a long step
+  double length_ = 0; ///< length of a long step
   Shared<Vector> bounds_at_;
-  std::vector<Shared<Vector>> held_; ///< directions that push the blocked values out of the bounds there
+  std::vector<Shared<Vector>> held_; ///< directions that push blocked values out at bounds_at_
   Span<P> span_;
   BundleModel model_;
-  int rounds_ = 0, unconfirmed_ = 0;            ///< of the step so far
-  double distance_ = 0;                         ///< at which gradients were last gathered, if they were
-  std::optional<Certificate<Vector>> smooth_{}; ///< valid, but J may still descend on one smooth piece
+  int rounds_ = 0, unconfirmed_ = 0;            ///< numbers in the step so far
+  double distance_ = 0;                         ///< last distance of gathered gradients; 0: none yet
+  std::optional<Certificate<Vector>> smooth_{}; ///< valid, but J may descend within one smooth selection
 };
 
 } // namespace signorini::optimize

@@ -209,7 +209,7 @@ std::vector<Coordinates> BundleModel::restrict(std::size_t dimension, std::size_
     return true;
   };
   std::vector<double> weights = minimum_norm_subgradient(cuts_, radius).weights;
-  weights.front() = 1; // that of the current point stays
+  weights.front() = 1; // the cut of the current point stays
   std::vector<std::size_t> order(cuts_.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return weights[i]; });
@@ -219,7 +219,7 @@ std::vector<Coordinates> BundleModel::restrict(std::size_t dimension, std::size_
   std::ranges::stable_sort(others, std::greater(), [this](const Cut& cut) { return at_minimiser(cut); });
   std::vector<std::pair<Coordinates, Coordinates>> pairs;
   const auto& known = curvature_.pairs();
-  for (std::size_t i = 0; i < std::max(others.size(), known.size()); ++i) { // by turns
+  for (std::size_t i = 0; i < std::max(others.size(), known.size()); ++i) { // alternately
     if (i < known.size()) {
       const auto& [d, y] = known[known.size() - 1 - i];
       if (basis.take({&d, &y}, dimension))
@@ -230,7 +230,7 @@ std::vector<Coordinates> BundleModel::restrict(std::size_t dimension, std::size_
   }
   for (Cut& cut : kept)
     cut = {basis.of(cut.gathered), basis.of(cut.here), basis.of(cut.offset), cut.linearisation_error};
-  for (auto& [d, y] : pairs) // the first of them were found when the basis was shorter
+  for (auto& [d, y] : pairs) // the first pairs date from a shorter basis
     d.resize(basis.vectors().size()), y.resize(basis.vectors().size());
   cuts_ = std::move(kept);
   curvature_.set_pairs(std::move(pairs));

@@ -15,16 +15,16 @@ struct PathCombination {
 
 template <Differentiable P>
 struct Search {
-  std::optional<Iterate<P>> found; ///< the accepted trial, also the problem's
-  double length = 0;               ///< t
-  double promised = 0;             ///< −slope/2, of a direction with a minimum at t = 1
-  bool solver_failed = false;      ///< in the last trial
+  std::optional<Iterate<P>> found; ///< accepted trial, which is the problem's too
+  double length = 0;               ///< step length t
+  double promised = 0;             ///< decrease −slope/2 of a quadratic with its minimum at t = 1
+  bool solver_failed = false;      ///< a solver failed in the last trial
 };
 
-/// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), here along the arc t ↦ P(u + t d) and
-/// from t = 1. It asks for sufficient decrease and for a slope above a part of the first, negative one, never
-/// for a small one, so that it ends beyond a kink where there is no small slope. `d` must be tangential. A
-/// trial at which a solver fails counts as too long.
+/// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), along the arc t ↦ P(u + t d), first at
+/// t = 1. It requires sufficient decrease and a slope above a part of the first, negative one. It never
+/// requires a small slope, so that it can end beyond a kink. `d` must be tangential. A trial at which a
+/// solver fails counts as too long.
 template <Differentiable P>
 [[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d,
                                           const Options& options) {
@@ -80,7 +80,7 @@ public:
 
   explicit Descent(const Options& options) : options_(options), method_(options) {}
 
-  /// An iteration or, among kinks, a round of one, as minimize() defines it.
+  /// Makes one iteration or, among kinks, one round of it, as minimize() defines.
   std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
     std::optional<Iterate<P>> next;
@@ -137,15 +137,15 @@ public:
     return std::nullopt;
   }
 
-  /// Goes on, on this problem, from what a search by the same method on another learned, whose vectors
-  /// `interpolate` takes to this one. Both are measured in the same units.
+  /// Warm-starts from the same method on another problem in the same units, whose vectors `interpolate`
+  /// transfers to this one.
   template <class Interpolate>
   void inherit(const Descent& other, const P& problem, const Interpolate& interpolate) {
     longest_ = other.longest_;
     method_.inherit(other.method_, problem, interpolate);
   }
 
-  /// Gives up vectors where almost as many are stored as may be.
+  /// Drops vectors if almost as many are stored as may be.
   void make_room() {
     if (!bundle_)
       return;
@@ -171,7 +171,7 @@ public:
 private:
   using Step = typename BundleMethod<P>::Step;
 
-  /// The certificate by gradients of the last iterates, evaluated anew, if they have one.
+  /// Returns the certificate by newly evaluated gradients of the last iterates, if there is one.
   std::optional<Certificate<Vector>> path_certificate(P& problem, const Iterate<P>& at, double tolerance) {
     const double radius = Options::ball(options_.tolerance) * longest_;
     const auto combination = method_.path_combination(problem, at, radius);
@@ -192,16 +192,16 @@ private:
   void take_over(const P& problem, const Iterate<P>& at) {
     bundle_.emplace(options_, problem, at, longest_);
     fresh_ = true;
-    if (!problem.bounded()) // the bundle method does not end at other bounds, and goes on to the end
+    if (!problem.bounded()) // the bundle method then takes all further steps
       method_.restart();
   }
 
   Options options_;
   Method method_;
-  double longest_ = 1;                    ///< step so far, at first Cauchy's, the unit of length
-  int short_steps_ = 0;                   ///< consecutive ones up to now
-  int unconfirmed_ = 0;                   ///< certificates by the last iterates that were none
-  std::optional<BundleMethod<P>> bundle_; ///< steps instead of the method
+  double longest_ = 1;                    ///< longest step so far; at first Cauchy's, the unit of length
+  int short_steps_ = 0;                   ///< consecutive short steps up to now
+  int unconfirmed_ = 0;                   ///< rejected certificates by the last iterates
+  std::optional<BundleMethod<P>> bundle_; ///< takes steps in place of the method
   bool fresh_ = false;                    ///< the bundle has not led to a step yet
 };
 

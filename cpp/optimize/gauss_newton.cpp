@@ -29,7 +29,7 @@ struct Model {
     return sum;
   }
 
-  /// The unknowns that no bound blocks.
+  /// Flags the unknowns that no bound blocks (n).
   [[nodiscard]] std::vector<bool> free_at(const std::vector<double>& x, const Box& box) const {
     std::vector<bool> free(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -37,8 +37,8 @@ struct Model {
     return free;
   }
 
-  /// The minimiser over the unknowns that are `free`, the others having the change `d`, with H's diagonal
-  /// enlarged by the factor 1 + damping. An unknown that nothing tells does not change.
+  /// Sets the entries of `d` that are `free` to the minimiser, given the others, with H's diagonal enlarged
+  /// by the factor 1 + damping. Unknowns that the data do not determine do not change.
   void minimise(const std::vector<bool>& free, double damping, std::vector<double>& d) const {
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < n; ++i)
@@ -56,7 +56,7 @@ struct Model {
     for (std::size_t i = 0; i < n; ++i)
       if (free[i])
         d[i] = 0;
-    // Where directions are told by rounding alone, more of the diagonal is added until there is a factor.
+    // If JᵀJ is numerically singular, increase the shift until the Cholesky factorisation succeeds.
     constexpr double least_slack = 1e-14, most_slack = 1e-2, growth = 100;
     bool solved = which.empty();
     for (double slack = least_slack; !solved && slack < most_slack; slack *= growth) {
@@ -69,8 +69,8 @@ struct Model {
       d[which[a]] = solved ? b[a] : std::numeric_limits<double>::quiet_NaN();
   }
 
-  /// The step within the bounds and limits of steps: unknowns that would leave them stay at them, one after
-  /// another.
+  /// Returns the step within the bounds and step limits. Unknowns that would leave them are fixed at them,
+  /// round by round.
   [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box, double damping) const {
     std::vector<double> d(n, 0.0);
     std::vector<bool> free = free_at(x, box);
@@ -93,7 +93,7 @@ struct Model {
   [[nodiscard]] double decrement(const std::vector<double>& x, const Box& box) const {
     std::vector<double> d(n, 0.0);
     minimise(free_at(x, box), 0, d);
-    const double squared = -dot(g, d);            // NaN stays one
+    const double squared = -dot(g, d);            // NaN stays NaN
     return squared <= 0 ? 0 : std::sqrt(squared); // −0 would show its sign
   }
 };
@@ -123,13 +123,13 @@ gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const dou
              GaussNewtonIterate start, const Box& box, const GaussNewtonOptions& options,
              const std::function<bool(const GaussNewtonIterate&)>& report) {
   constexpr double first_damping = 1e-3, least_damping = 1e-12, most_damping = 1e12;
-  // Below this part of J a change of it is rounding; the gradient is good for more digits.
+  // Changes of J below this part of it are rounding; the gradient is accurate to more digits.
   constexpr double rounding = 1e-12;
   GaussNewtonIterate now = std::move(start);
   if (now.damping == 0)
     now.damping = first_damping;
   double growth = 2;
-  std::optional<double> stuck; // the decrement before a step that promised no more than rounding
+  std::optional<double> stuck; // decrement before a step whose predicted decrease was rounding
   for (;; ++now.number) {
     const Model model(now.at);
     now.decrement = model.decrement(now.x, box);

@@ -12,7 +12,7 @@
 /// bounds. min ½ |r(x)|² over lower ≤ x ≤ upper.
 namespace signorini::optimize {
 
-/// r (m) and its derivatives (m × n, column by column) at a point.
+/// Residuals r (m) and their derivatives (m × n, column by column) at a point.
 struct LeastSquares {
   std::vector<double> residuals, jacobian;
 
@@ -26,11 +26,11 @@ struct LeastSquares {
   [[nodiscard]] std::vector<double> normal_matrix() const;
 };
 
-/// Bounds, ±∞ where there is none.
+/// Bounds of the unknowns, ±∞ where there are none.
 struct Box {
   std::vector<double> lower, upper;
-  /// Largest change of each unknown in one step, beyond which the linearised residuals say nothing; no limit
-  /// if empty.
+  /// Largest change of each unknown in one step, beyond which the linearised residuals are meaningless; no
+  /// limit if empty.
   std::vector<double> longest = {};
 
   /// Whether x_i is at a bound beyond which −g_i points.
@@ -41,7 +41,7 @@ struct Box {
   [[nodiscard]] bool reaches(std::size_t i, double x, double next) const {
     return longest.empty() || std::abs(next - x) <= longest[i];
   }
-  /// The value that one step from x may reach next to `wanted`.
+  /// Value nearest to `wanted` that one step from x may reach.
   [[nodiscard]] double nearest(std::size_t i, double x, double wanted) const {
     if (!reaches(i, x, wanted))
       wanted = x + std::copysign(longest[i], wanted - x);
@@ -51,7 +51,7 @@ struct Box {
 
 struct GaussNewtonOptions {
   int max_iterations = 100;
-  double tolerance = 1e-6; ///< of the decrement √(gᵀ(JᵀJ)⁻¹g), which is in units of the residuals
+  double tolerance = 1e-6; ///< bound of the decrement √(gᵀ(JᵀJ)⁻¹g), in units of the residuals
   /// Makes numbers the same on every rank: last digits of LAPACK's may differ between processors.
   std::function<void(std::span<double>)> agree = [](std::span<double>) {};
 };
@@ -69,18 +69,19 @@ struct GaussNewtonResult {
   GaussNewtonIterate last;
 };
 
-/// Searches from `start`, or goes on from it. `evaluate` returns nothing where a solver fails, which counts
-/// as too long a step; at the start it must not. `report` sees every iterate and returns whether to go on.
+/// Minimises ½ |r(x)|² from `start`, an evaluated first guess or an iterate to continue from. `evaluate`
+/// returns nothing where a solver fails, which counts as too long a step. `report` is called with every
+/// iterate and returns whether to continue.
 GaussNewtonResult
 gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const double> x)>& evaluate,
              GaussNewtonIterate start, const Box& box, const GaussNewtonOptions& options,
              const std::function<bool(const GaussNewtonIterate&)>& report);
 
-/// What data tell of the unknowns: JᵀJ as the inverse of a covariance matrix.
+/// Identifiability of the unknowns: JᵀJ as the inverse of a covariance matrix.
 struct Identified {
-  std::vector<double> deviations;      ///< standard, of each unknown; ∞ where nothing tells it
+  std::vector<double> deviations;      ///< standard deviation of each unknown; ∞: undetermined by the data
   std::vector<double> correlations;    ///< (n × n)
-  std::vector<double> singular_values; ///< of J with columns of length one, descending
+  std::vector<double> singular_values; ///< descending, for J with columns of length one
   /// Directions x(t) = x + t d that change the residuals by rounding alone; entries that matter little are
   /// zero, the largest is one.
   std::vector<std::vector<double>> unidentified;

@@ -9,13 +9,13 @@
 namespace signorini::optimize {
 
 /// L-BFGS directions by the two-loop recursion (Nocedal 1980), in the product of the problem and on the
-/// values that bounds do not block (Bertsekas 1982): pairs are stored without blocked values, so that once
-/// the blocked set no longer changes the method is that of the reduced problem. The operator applied is a
-/// principal part of a positive definite one, so that J descends along its directions whatever the pairs are.
+/// values that bounds do not block (Bertsekas 1982). Pairs are stored without blocked values: once the
+/// blocked set no longer changes, the method is that of the reduced problem. The operator applied is a
+/// principal part of a positive definite one, so that J descends along its directions for any pairs.
 ///
-/// The recursion works on factors of the stored vectors, by their Gram matrix (Chen, Wang, Zhou 2014): a
-/// direction reads them twice, and a new pair once, where products one by one would apply the mass matrix to
-/// each of them.
+/// The recursion works on factors of the stored vectors, by their Gram matrix (Chen, Wang, Zhou 2014). A
+/// direction reads the vectors twice, a new pair once; single products would apply the mass matrix to each of
+/// them.
 template <Unknowns U>
 class LimitedMemory {
 public:
@@ -33,7 +33,7 @@ public:
       d.scale(length_ / norm(unknowns, d));
       return d;
     }
-    // The direction is Σ factors_i vectors_i plus `own` times what d is now; `products` are those with that.
+    // The direction is Σ factors_i vectors_i plus a multiple of d, with which `products` are taken.
     const std::size_t n = vectors_.size();
     std::vector<double> factors(n), products = unknowns.pairings(std::vector{unknowns.dual(d)}, vectors_);
     const auto product = [&](std::size_t i) {
@@ -54,16 +54,16 @@ public:
     return tangential(unknowns, at.u, d);
   }
 
-  /// The shortest convex combination of the gradients of the iterate `at` and of those before it within a
-  /// radius around it: their weights, the latest first (Lewis, Overton 2013, section 6.3). On free values.
-  /// Gradients and places come from the pairs, rounded, and cost one product each; none without pairs.
+  /// Returns the shortest convex combination of the gradients, on free values, of `at` and of earlier
+  /// iterates within a radius around it (Lewis, Overton 2013, section 6.3). Gradients and positions come from
+  /// the pairs, rounded, at one product each. None if no earlier iterate is near.
   [[nodiscard]] std::optional<PathCombination> path_combination(const U& unknowns, const Iterate<U>& at,
                                                                 double radius) const {
     const std::size_t n = vectors_.size(), steps = std::min(static_cast<std::size_t>(unbroken_), n / 2);
-    const auto y = [&](std::size_t back) { return n - 2 * back + 1; }; // of the step that many back, from 1
+    const auto y = [&](std::size_t back) { return n - 2 * back + 1; }; // y so many steps back, from 1
     PathCombination found{.weights = std::vector<double>(steps + 1), .length = 0};
     std::vector<std::size_t> near{0}; // steps back
-    double squared = 0;               // of the distance
+    double squared = 0;               // distance from `at`, squared
     for (std::size_t i = 1; i <= steps; ++i) {
       squared += gram_[(y(i) - 1) * n + y(i) - 1];
       for (std::size_t j = 1; j < i; ++j)
@@ -73,7 +73,7 @@ public:
     }
     if (near.size() == 1)
       return std::nullopt;
-    // Of the gradients r − Σ y of so many steps.
+    // Gram matrix of the gradients r − Σ y of the iterates near by.
     const Vector r = negative(tangential(unknowns, at.u, negative(at.g)));
     const std::vector<double> products = unknowns.pairings(std::vector{unknowns.dual(r)}, vectors_);
     const double rr = unknowns.inner(r, r);
@@ -102,7 +102,7 @@ public:
     return found;
   }
 
-  /// The iterate so many steps before one.
+  /// Returns the iterate so many steps before `at`.
   [[nodiscard]] Vector before(const Iterate<U>& at, std::size_t steps) const {
     Vector u = at.u;
     std::vector<double> factors(vectors_.size());
@@ -121,8 +121,8 @@ public:
     take(unknowns, s, y, length_);
   }
 
-  /// Takes the pairs of a search on another problem, whose vectors `interpolate` takes to this one, but for
-  /// those that lose their positive curvature by that.
+  /// Takes the pairs of a search on another problem, whose vectors `interpolate` transfers to this one. Pairs
+  /// whose curvature is no longer positive are dropped.
   template <class Interpolate>
   void inherit(const LimitedMemory& other, const U& unknowns, const Interpolate& interpolate) {
     length_ = other.length_;
@@ -132,7 +132,7 @@ public:
                    y = interpolate(Vector(other.vectors_[2 * i + 1]));
       take(unknowns, s, y, norm(unknowns, s));
     }
-    unbroken_ = 0; // none of them is this problem's
+    unbroken_ = 0; // no pair is of this problem
   }
 
   bool restart() {
@@ -143,7 +143,7 @@ public:
     return had;
   }
 
-  /// Forgets the oldest pairs beyond that.
+  /// Drops the oldest pairs beyond this number of vectors.
   void store_at_most(std::size_t vectors) {
     while (vectors_.size() > vectors)
       forget_oldest();
@@ -160,8 +160,8 @@ public:
   }
 
 private:
-  /// Stores a pair, unless rounding decides the sign of its curvature. `length`: of the whole step, blocked
-  /// values included.
+  /// Stores a pair, unless rounding decides the sign of its curvature. `length`: length of the whole step,
+  /// blocked values included.
   void take(const U& unknowns, const Vector& s, const Vector& y, double length) {
     const std::size_t n = vectors_.size();
     const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
@@ -170,7 +170,7 @@ private:
     all.emplace_back(y);
     const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
     const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
-    // Pairs that lack blocked values do not lead back to the iterates before.
+    // Pairs without blocked values do not lead back to earlier iterates.
     const bool whole = ss >= (1 - options_.least_cosine) * length * length;
     unbroken_ = whole ? unbroken_ + 1 : 0;
     if (!(sy > options_.least_cosine * length * std::sqrt(yy))) {
@@ -202,10 +202,10 @@ private:
 
   LbfgsOptions options_;
   std::vector<Compact> vectors_; ///< s and y of each pair, the oldest first
-  std::vector<double> gram_;     ///< their products (vectors × vectors)
-  int unbroken_ = 0;             ///< so many last pairs lead from an iterate to the next
+  std::vector<double> gram_;     ///< Gram matrix (vectors × vectors)
+  int unbroken_ = 0;             ///< number of last pairs that join consecutive iterates
   double scale_ = 1;
-  double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
+  double length_ = 1; ///< length of the last step; at first Cauchy's, the unit of length
 };
 
 template <TwiceDifferentiable P>

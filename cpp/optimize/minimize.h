@@ -23,14 +23,14 @@ struct Units {
   }
 };
 
-/// The units of the problem at its current point u: L is the length of Cauchy's step, which minimises J's
-/// quadratic model along steepest descent (by one Hessian product), after projection onto the bounds; s is
-/// the multiple of the gradient of that length. They depend on u, J and the bounds, not on the mesh, and
+/// Returns the units of the problem at its current point u, by one Hessian product. L is the length, after
+/// projection onto the bounds, of Cauchy's step, which minimises J's quadratic model along steepest descent.
+/// s is the multiple of the gradient of that length. Both depend on u, J and the bounds, not on the mesh, and
 /// scale with the units of u and J. The first guess enters by J's derivatives there alone: the origin of
 /// controls has no influence.
 ///
 /// The Hessian may be singular. A J that is a sum of squares, as with frozen active sets, still has curvature
-/// along its gradient, and the step is at most 2 J/‖g‖² times the gradient; that bound is taken where no
+/// along its gradient, and the step is at most 2 J/‖g‖² times the gradient. That bound is used where no
 /// curvature is found.
 template <TwiceDifferentiable P>
 [[nodiscard]] Units measured(P& problem, const typename P::Vector& u, double objective,
@@ -98,11 +98,11 @@ private:
 template <Unknowns U, class Memory>
 struct State {
   Iterate<U> current;
-  Units units; ///< of the problem at the first guess
+  Units units; ///< units of the problem at the first guess
   Iteration iteration;
   double first_norm; ///< ‖u − P(u − g)‖ at the first guess
-  Memory memory;     ///< of the method
-  /// Length of the certificate with which the search ended, if it did.
+  Memory memory;     ///< state of the method
+  /// Length of the certificate that ended the search, if one did.
   double certified = std::numeric_limits<double>::infinity();
 
   /// Omits J and its gradient at u, which are evaluated anew.
@@ -119,8 +119,8 @@ struct State {
   }
 };
 
-/// What a search hands to one of the same unknowns on another problem, as on a finer mesh: it goes on in the
-/// same units and to a tolerance of the same first norm, so that nothing in it depends on where it starts.
+/// Warm start for a search of the same unknowns on another problem, such as a finer mesh. The search keeps
+/// units and first norm, so that its tolerance does not depend on where it starts.
 template <class Memory>
 struct Inheritance {
   Units units;
@@ -135,7 +135,7 @@ inline void require_finite(const Iteration& iteration) {
                         std::to_string(iteration.number));
 }
 
-/// The stopping reason at this iterate, if there is one.
+/// Returns the stopping reason at this iterate, if there is one.
 template <Unknowns U, class Memory>
 std::optional<Stop> ended(const State<U, Memory>& state, const Options& options) {
   const Iteration& iteration = state.iteration;
@@ -148,9 +148,9 @@ std::optional<Stop> ended(const State<U, Memory>& state, const Options& options)
   return std::nullopt;
 }
 
-/// Evaluates J at the state's point, where the search starts or, with `restored`, goes on; `inherited`:
-/// the state has its units and first norm from another search. Returns J in the units given. Throws
-/// SolverFailure, Interrupted.
+/// Evaluates J at the state's point, where the search starts or, with `restored`, continues. `inherited`:
+/// units and first norm of the state come from another search. Returns J in the units of the given problem.
+/// Throws SolverFailure, Interrupted.
 template <TwiceDifferentiable P, class Memory>
 double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored,
              bool inherited) {
@@ -177,18 +177,18 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// to a stopping reason. The method works on the dimensionless problem and thus does not depend on the units
 /// of u and J; `report`, checkpointer.restored() and the result are in the units given.
 ///
-/// Method(options).advance(problem, state) makes one iteration, or a round of one: it moves state.current,
-/// state.iteration and the problem's current point, or returns how the search ends; between two calls
-/// make_room() may give up what it stores. `report(iteration)` is called for the first guess and for each
+/// Method(options).advance(problem, state) makes one iteration, or a round of one. It moves state.current,
+/// state.iteration and the problem's current point, or returns the end of the search. Between two calls
+/// make_room() may drop stored vectors. `report(iteration)` is called for the first guess and for each
 /// iterate that this call accepts; if it returns a bool, false ends the search. checkpointer.restore(state)
-/// reads a state and returns whether there was one; checkpointer.restored(stored, found) receives J there, as
-/// stored and as evaluated; checkpointer.mark() tells that a state stored before the next mark is that of
-/// now; checkpointer.store(state) is called where checkpointer.due(iteration) asks for it and when the search
-/// ends. A certificate is shown by checkpointer.certified(certificate); what is stored then has no more
-/// memory of the search, and a search restored from it ends at once, without a certificate, unless it asks
-/// for a shorter one. Without a checkpoint the search goes on from `inherited`, if given, where another one
-/// ended. Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure
-/// if the objective or its gradient is not finite. Collective if the problem is.
+/// reads a state and returns whether there was one. checkpointer.restored(stored, found) receives J there, as
+/// stored and as evaluated. checkpointer.mark() announces that a state stored before the next mark is the
+/// present one. checkpointer.store(state) is called where checkpointer.due(iteration) is true and when the
+/// search ends. checkpointer.certified(certificate) receives a certificate. The state stored then has no
+/// memory of the method; a search restored from it ends at once, without a certificate, unless its tolerance
+/// is smaller. Without a checkpoint the search continues from `inherited`, if given, where another one ended.
+/// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
+/// objective or its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>
@@ -205,7 +205,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
     state.memory = std::move(inherited->memory);
   }
   bool enough = false;
-  const auto tell = [&] {
+  const auto show = [&] {
     Iteration shown = state.iteration;
     shown.objective *= state.units.objective();
     shown.gradient_norm *= state.units.gradient();
@@ -222,7 +222,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
     if (restored)
       checkpointer.restored(state.iteration.objective * state.units.objective(), value);
     else
-      tell();
+      show();
   } catch (const Interrupted&) {
     return {Stop::interrupted};
   }
@@ -246,7 +246,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
     if (!end) {
       if (state.iteration.number != number) {
         require_finite(state.iteration);
-        tell();
+        show();
       }
       continue;
     }

@@ -6,11 +6,11 @@
 
 namespace signorini::optimize {
 
-/// Newton's equation by conjugate gradients on the free values, ended by the trust region or negative
+/// Newton directions by conjugate gradients on the free values. They end at the trust region, at negative
 /// curvature (Steihaug 1983, Toint 1981) or once the residual suffices for superlinear convergence; more
 /// accuracy is wasted where the active sets change. A step that is too long is shortened rather than solved
 /// for again (Nocedal, Yuan 1998): a trial costs one sweep, a Hessian product two. At a kink the model is
-/// that of one side, so that the search may end above the minimiser.
+/// one-sided, so that the search may end above the minimiser.
 template <TwiceDifferentiable P>
 class TruncatedNewton {
 public:
@@ -71,10 +71,10 @@ public:
       radius_ = std::max(radius_, options_.change * length);
   }
 
-  /// Stores none.
+  /// Does nothing: no vectors are stored.
   void store_at_most(std::size_t) {}
 
-  /// Goes on with the trust region of a search on another problem.
+  /// Takes the trust region of a search on another problem.
   void inherit(const TruncatedNewton& other, const P&, const auto&) {
     radius_ = other.radius_;
     first_ = other.first_;
@@ -91,7 +91,7 @@ public:
 
 private:
   NewtonOptions options_;
-  double radius_ = options_.radius; ///< of the trust region
+  double radius_ = options_.radius; ///< radius of the trust region
   double first_ = 0;                ///< largest gradient norm on free values so far
   double predicted_ = 0;            ///< decrease of the quadratic model by the last direction
   bool on_boundary_ = false, steepest_ = false;

@@ -9,24 +9,24 @@ namespace signorini::optimize {
 
 /// Regularised gradient steps (projected_gradient.h).
 struct GradientOptions {
-  /// Least ratio of the actual to the predicted decrease. Small: a sweep that led down is not thrown away.
+  /// Least ratio of the actual to the predicted decrease. Small: a sweep that led down is not discarded.
   double sufficient = 0.1;
-  /// Largest factor by which a step changes ω: one ratio, measured at a kink, says little of the next step.
+  /// Largest factor by which a step changes ω: one ratio, measured at a kink, hardly predicts the next.
   double change = 10;
-  double after_rejection = 2; ///< least factor of ω then: a rejected step is at least halved
+  double after_rejection = 2; ///< least factor of ω after a rejected step: at least halves the next
 };
 
 /// Weak-Wolfe search (descent.h), with 0 < sufficient < flatter < 1 (Lewis, Overton 2013). The values
 /// are those that Nocedal, Wright (2006), section 3.1, give for Newton's and quasi-Newton directions.
 struct WolfeOptions {
-  double sufficient = 1e-4; ///< least decrease, of the tangent's: a step need not be good, only downhill
-  double flatter = 0.9;     ///< largest slope at the end, of the first: a better one costs sweeps of its own
+  double sufficient = 1e-4; ///< least decrease relative to the tangent's: a step need only lead downhill
+  double flatter = 0.9;     ///< largest final slope relative to the first: a flatter one costs sweeps
 };
 
 /// L-BFGS directions (lbfgs.h).
 struct LbfgsOptions {
-  /// Pairs of steps and gradient differences, at the upper end of the 3 to 20 of Nocedal, Wright (2006),
-  /// section 7.2: products with pairs cost nothing beside a sweep, only 40 controls of memory.
+  /// Number of pairs of steps and gradient differences, at the upper end of the 3 to 20 of Nocedal, Wright
+  /// (2006), section 7.2: products with pairs cost nothing beside a sweep, only 40 controls of memory.
   std::size_t pairs = 20;
   /// Least cosine between step and gradient difference, √ε: below it rounding decides the curvature's sign.
   double least_cosine = 1e-8;
@@ -34,11 +34,12 @@ struct LbfgsOptions {
 
 /// Newton's directions by truncated conjugate gradients in a trust region (newton_cg.h).
 struct NewtonOptions {
-  /// Products for one direction, each two sweeps: bounds an iteration where curvatures spread so widely that
-  /// conjugate gradients do not meet the residual.
+  /// Largest number of products for one direction, each two sweeps. The limit matters where curvatures spread
+  /// so widely that conjugate gradients do not meet the residual.
   int products = 200;
-  /// Largest relative residual, and its order in ‖g‖, 1.25 being that of the convergence (Dembo, Eisenstat,
-  /// Steihaug 1982). Looser than the usual 0.5 order: more accuracy is wasted where active sets change.
+  /// Largest relative residual, and its order in ‖g‖, for convergence of order 1.25 (Dembo,
+  /// Eisenstat, Steihaug 1982). Looser than the usual 0.5 order: more accuracy is wasted where active sets
+  /// change.
   double residual = 0.2, order = 0.25;
   /// Ratios of the actual to the predicted decrease below and above which the radius is adapted, and the
   /// factor (Nocedal, Wright 2006, algorithm 4.1; a search has shortened poor steps already, hence not 1/4).
@@ -50,66 +51,68 @@ struct NewtonOptions {
 
 /// The bundle method at kinks (bundle_method.h) and when it takes over (descent.h).
 struct BundleOptions {
-  /// Steps in a row that are short, relative to the longest, before the method takes over: one may be due to
-  /// a single kink that the line search passes. Short is the ball of the finest tolerance below: the method
-  /// starts before steps are lost within it.
+  /// Number of consecutive short steps before the method takes over: one may be due to a single kink that the
+  /// line search passes. Short: relative to the longest step, the ball of the finest tolerance below, so that
+  /// the method starts before steps are lost within it.
   int short_steps = 3;
   double short_step = 1e-3;
-  /// The tolerance that the method works to where less is asked for: its way is then the same, and a
+  /// Tolerance of the method where a larger one is asked for: the iterates are then the same, and a
   /// certificate is met no later.
   double finest = 1e-6;
-  /// Cuts. k + 1 certify a minimum where J has kinks in k directions (Carathéodory); with fewer the search
-  /// goes on by leaving and finding cuts again. Quadratic programs with 40 cost nothing beside a sweep.
+  /// Largest number of cuts. k + 1 certify a minimum where J has kinks in k directions (Carathéodory); with
+  /// fewer, the search drops cuts and finds them again. Quadratic programs with 40 cost nothing beside a
+  /// sweep.
   std::size_t cuts = 40;
   /// Largest dimension of the subspace, each a control in memory: for each cut a gradient, a Hessian product
   /// and an offset.
   std::size_t dimension = 3 * cuts;
-  /// Part of that, or of Options::vectors where these are fewer, above which the subspace is restricted, for
-  /// a round adds vectors; the part to which it is, for a restriction reads and writes all of them; and
-  /// the part that may be left to what carries the minimum-norm subgradient.
+  /// Parts of that dimension, or of Options::vectors if these are fewer. The subspace is restricted above the
+  /// first, since a round adds vectors, and to the second, since a restriction reads and writes all of them.
+  /// Cuts that carry the minimum-norm subgradient may take the third.
   double restrict_above = 0.75, restricted = 0.5, carried = 0.625;
-  /// Rounds of a step, each one or more pairs of sweeps, and unconfirmed certificates in it: end a search
-  /// that J's rounding, or pieces thinner than the ball, keep from making progress.
+  /// Largest numbers of rounds of a step, each one or more pairs of sweeps, and of unconfirmed certificates
+  /// in it. They end a search without progress, due to rounding of J or selections thinner than the ball.
   int rounds = 100, unconfirmed = 10;
-  /// So much shorter must a combination of the last iterates' gradients be after one that was no certificate.
+  /// Factor of the length required of a combination of the last iterates' gradients, after each rejected
+  /// certificate.
   double again = 0.5;
-  /// Hessian products for one direction, each two sweeps. Where the model's curvature is still wrong, the
-  /// direction is tried as it is: another cut tells as much for less.
+  /// Largest number of Hessian products for one direction, each two sweeps. Where the model's curvature is
+  /// still wrong, the direction is tried as it is: another cut costs less and gives as much.
   int products = 10;
-  /// Decrease that makes a step serious, of the model's. Above the Wolfe search's, for a null step is no
-  /// loss: its cut improves the model.
+  /// Least decrease of a serious step, relative to the model's. Larger than the Wolfe search's: a null step
+  /// is no loss, since its cut improves the model.
   double sufficient = 0.1;
-  /// Factor of the next length along a direction. A cut above J at the current point, from a piece that is
-  /// not convex or lies beyond another, is of no use there: the piece in between is nearer.
+  /// Factor of the next length along a direction. A cut above J at the current point, from a selection that
+  /// is not convex or lies beyond another, is invalid there: a shorter step meets the selection in between.
   double shorter = 0.25;
-  int null_steps = 3; ///< along one direction, at decreasing lengths; the model then knows a better one
-  /// Weight of a cut above which it carries the model's minimum: √ε, as accurate as the weights
-  /// of gradients are that differ by that part of their length.
+  int null_steps = 3; ///< largest number along one direction; the model then has a better one
+  /// Weight above which a cut carries the model's minimum: √ε, the accuracy of the weights of gradients that
+  /// differ by that part of their length.
   double carrying = 1e-8;
-  /// Where the model's subgradient is shorter than the first, of the tolerance, gradients are gathered at
-  /// ever smaller distances down to that over which they change by the second: together 3/4, so that the
-  /// certificate is confirmed.
+  /// Parts of the tolerance. If the model's subgradient is shorter than the first, gradients are gathered at
+  /// decreasing distances, down to that over which they change by the second. Together they are 3/4, so that
+  /// the certificate is confirmed.
   double model_part = 0.5, gathered_part = 0.25;
-  /// The first of these distances, of the ball, and the factor of the next. Nearer ones first would meet only
-  /// the pieces that are known, and lose the cuts of the others. At the least, 1e-9 of the longest step,
-  /// differences of J still exceed rounding.
+  /// First and least of these distances, relative to the ball, and the factor of the next. Nearer ones first
+  /// would meet only the known selections and lose the cuts of the others. At the least, 1e-9 of the longest
+  /// step, differences of J still exceed rounding.
   double farthest = 0.3, nearer = 0.1, least_distance = 1e-6;
   /// Relative rounding of offsets and directions: they are differences of controls 1/ball times as long, with
   /// an error of ε/ball = 2e-12 where the ball is 1e-4.
   double rounding = 1e-9;
-  /// Part of a vector out of the subspace, relative to its length, below which it belongs to it: rounding of
-  /// an orthogonalisation, ε times the dimension and some room.
+  /// Distance of a vector from the subspace, relative to its length, below which it belongs to it: rounding
+  /// of an orthogonalisation, ε times the dimension and some room.
   double dependent = 1e-12;
 };
 
-/// Every constant of the methods. Lengths are relative to the units of a search (minimize.h), so that none
-/// depends on the problem's.
+/// Constants of the methods. Lengths are relative to the units of a search (minimize.h), so that no constant
+/// depends on the problem's units.
 struct Options {
   int max_iterations = 1000;
-  double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
+  double tolerance = 1e-6; ///< bound of the stationarity measure, relative to the first
   /// Whether the bundle method takes over where steps become short or a search fails; else the search ends.
   bool through_kinks = true;
-  /// Vectors that a method may store for longer than an evaluation takes.
+  /// Largest number of vectors that a method may store for longer than an evaluation takes.
   std::size_t vectors = std::numeric_limits<std::size_t>::max();
   /// Relative rounding error of J: the difference of two values, each with half an ε from its own rounding
   /// and some more from its sums.
@@ -121,12 +124,12 @@ struct Options {
   BundleOptions bundle{};
 
   /// Radius r of the ball in which a certificate to a tolerance gathers gradients, relative to the longest
-  /// step: pieces of J closer than that count as met. Of a convex J a certificate of length ℓ proves J − J* ≤
-  /// r²/2 + ℓ times the distance from the minimiser, in a search's units and with its unit curvature; where r
-  /// is the root of the tolerance both parts are alike.
+  /// step. Selections of J closer than r count as met. If J is convex, a certificate of length ℓ proves J −
+  /// J* ≤ r²/2 + ℓ times the distance from the minimiser, in a search's units and with its unit curvature.
+  /// With r the root of the tolerance both terms are alike.
   [[nodiscard]] static double ball(double tolerance) { return std::sqrt(tolerance); }
 
-  /// A decrease of J that is indistinguishable from none.
+  /// Largest decrease of J that is indistinguishable from none.
   [[nodiscard]] double negligible(double objective) const { return rounding * std::abs(objective); }
 };
 

@@ -6,16 +6,16 @@
 namespace signorini::optimize {
 
 /// Algorithm 1 of the paper: projected gradient steps with a quadratic regularisation. Each step minimises
-/// the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. With ρ = actual/predicted decrease, a step is accepted if
-/// ρ is sufficient, and ω becomes the curvature with which the model would have been exact, ω + 2 (predicted
-/// − actual)/‖δ‖² (= ω (2 − ρ) without bounds), within limits of its change. A trial at which a solver fails
-/// is rejected; the search ends with that failure only if no shorter step succeeds either.
+/// the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. It is accepted if ρ = actual/predicted decrease is
+/// sufficient. In either case ω becomes the curvature that makes the model exact, ω + 2 (predicted −
+/// actual)/‖δ‖² (= ω (2 − ρ) without bounds), within limits of its change. A trial at which a solver fails is
+/// rejected; the search ends with that failure only if no shorter step succeeds either.
 template <TwiceDifferentiable P>
 class ProjectedGradient {
 public:
   explicit ProjectedGradient(const Options& options) : options_(options) {}
 
-  /// One iteration, as minimize() defines it.
+  /// Makes one iteration, as minimize() defines it.
   std::optional<Result<typename P::Vector>> advance(P& problem, State<P, ProjectedGradient>& state) {
     const auto& [sufficient, change, after_rejection] = options_.gradient;
     auto& [u, objective, g] = state.current;
@@ -48,10 +48,10 @@ public:
     }
   }
 
-  /// Stores no vectors.
+  /// Does nothing: no vectors are stored.
   void make_room() {}
 
-  /// Goes on with the regularisation of a search on another problem.
+  /// Takes the regularisation of a search on another problem.
   void inherit(const ProjectedGradient& other, const auto&, const auto&) { omega_ = other.omega_; }
 
   template <class Archive>

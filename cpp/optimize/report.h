@@ -10,9 +10,9 @@ namespace signorini::optimize {
 /// gradients gathered within a ball (Goldstein 1977).
 template <class Vector>
 struct Certificate {
-  double length = 0;                  ///< of the combination
-  double radius = 0;                  ///< of the ball around the current point
-  std::vector<Shared<Vector>> points; ///< where the gradients were gathered
+  double length = 0;                  ///< length of the combination
+  double radius = 0;                  ///< radius of the ball around the current point
+  std::vector<Shared<Vector>> points; ///< points of the gathered gradients
   std::vector<double> weights;
 
   template <class Archive>
@@ -25,24 +25,25 @@ struct Certificate {
   }
 };
 
-/// What certifies that a point is stationary, if it is short and near enough.
+/// Gradients gathered around a point and their convex combination, a certificate if short and near enough.
 template <Differentiable P>
 struct GatheredGradients {
   using Vector = typename P::Vector;
 
   Certificate<Vector> certificate{};
-  Vector sum;           ///< the combination
+  Vector sum;           ///< convex combination of the gradients
   bool complete = true; ///< J could be evaluated at all points
 
-  /// Whether it is a certificate at most so long, of gradients within a ball of that radius.
+  /// Whether J was evaluated at all points, these lie within the radius `ball`, and the combination is at
+  /// most `length` long.
   [[nodiscard]] bool confirms(double length, double ball) const {
     return complete && certificate.length <= length && certificate.radius <= ball;
   }
 };
 
-/// Evaluates the gradients of a convex combination anew: that of the current point, of the first weight, and
-/// those at `point(i)` of the further weights that are positive, which `each(i, g)` is shown. The length is
-/// the stationarity measure of their combination, blocked values included; it does not depend on a model.
+/// Gathers the gradients of a convex combination: the current one, with the first weight, and new ones at
+/// `point(i)` for the further positive weights, each passed to `each(i, g)`. The certificate's length is the
+/// stationarity measure of their combination, blocked values included, and does not depend on a model.
 template <Differentiable P, class PointOf, class Each>
 GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<double>& weights,
                             PointOf&& point, Each&& each) {
@@ -70,8 +71,8 @@ GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<
   return all;
 }
 
-/// Whether J is stationary at the same combination of the points. Where they lie on one smooth piece, its
-/// gradient there is the combination of theirs: there is no kink between them.
+/// Whether J is stationary at the certificate's combination of the points. If they lie on one smooth
+/// selection, its gradient there is the combination of theirs: no kink lies between them.
 template <Differentiable P>
 bool stationary_between(P& problem, const Certificate<typename P::Vector>& certificate, double tolerance) {
   typename P::Vector u = *certificate.points.front();
@@ -116,12 +117,12 @@ inline std::string name(Stop stop) {
   return "unknown";
 }
 
-/// How a search ended.
+/// Result of a search.
 template <class Vector>
 struct Result {
   Stop stop;
-  std::optional<Certificate<Vector>> certificate = std::nullopt; ///< at a kink
-  double first_norm = 0; ///< the gradient norm of which Options::tolerance is a part
+  std::optional<Certificate<Vector>> certificate = std::nullopt; ///< set at a kink
+  double first_norm = 0; ///< gradient norm to which Options::tolerance is relative
 };
 
 /// The record of one iteration.
@@ -131,8 +132,8 @@ struct Iteration {
   double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
   /// Multiple taken of the direction; projected-gradient: of the problem's gradient; 0 at the first guess.
   double step_length = 0;
-  /// What the model of the method promised of J for the last step, of a quadratic one -g·d/2: about the
-  /// distance from a minimiser. Infinite if it has none. Not stored.
+  /// Decrease of J that the method's model predicted for the last step, −g·d/2 for a quadratic one: about the
+  /// distance of J from its minimum. Infinite without a model. Not stored.
   double promised = std::numeric_limits<double>::infinity();
 
   template <class Archive>

@@ -10,7 +10,7 @@
 
 namespace signorini::optimize {
 
-/// Coordinates in an orthonormal basis; those beyond the last are zero.
+/// Coordinates in an orthonormal basis; entries beyond the last are zero.
 using Coordinates = std::vector<double>;
 
 inline double dot(const Coordinates& a, const Coordinates& b) {
@@ -33,10 +33,10 @@ inline Coordinates scaled(Coordinates a, double factor) {
   return a;
 }
 
-/// Orthonormal vectors that span what was taken, at most a given number of them.
+/// Orthonormal basis of the vectors taken.
 class Orthonormal {
 public:
-  /// What is out of the span by at most this part of its length belongs to it.
+  /// Makes an empty basis. A vector belongs to its span up to the relative distance `dependent`.
   explicit Orthonormal(double dependent) : dependent_(dependent) {}
 
   /// Takes all of `more`, unless the span then has more than `most` dimensions. Returns whether it did.
@@ -57,7 +57,7 @@ public:
     return false;
   }
 
-  /// Coordinates by these vectors.
+  /// Coordinates of x in this basis.
   [[nodiscard]] Coordinates of(const Coordinates& x) const {
     Coordinates all;
     for (const Coordinates& q : vectors_)
@@ -72,26 +72,27 @@ private:
   double dependent_;
 };
 
-/// A growing subspace with an orthonormal basis, so that frequent operations work on coordinates. What is
-/// stored are vectors V as they came, and the Cholesky factor of their Gram matrix, VᵀV = RᵀR: the basis is
-/// V R⁻¹, which is never formed, so that a new vector reads those stored once.
+/// Growing subspace with an orthonormal basis, so that frequent operations work on coordinates. Stored are
+/// the vectors V as given, and the Cholesky factor of their Gram matrix, VᵀV = RᵀR. The basis V R⁻¹ is never
+/// formed, so that a new vector reads the stored ones once.
 template <Unknowns U>
 class Span {
 public:
   using Vector = typename U::Vector;
   using Compact = typename U::Compact;
 
-  /// A vector belongs to the subspace if what is out of it is at most `dependent` times as long.
+  /// Makes an empty subspace. A vector belongs to it if its part outside is at most `dependent` times as
+  /// long.
   explicit Span(double dependent) : dependent_(dependent) {}
 
-  /// Coordinates of v, which the subspace contains from now on.
+  /// Returns the coordinates of v; extends the subspace if v does not belong to it.
   Coordinates coordinates(const U& unknowns, Vector v) {
     if (std::exchange(rounded_, false))
       factorise(unknowns);
     Coordinates x(vectors_.size());
     for (double length = -1;;) {
       vectors_.emplace_back(v);
-      v = Vector(vectors_.back()); // VᵀV is that of what is stored
+      v = Vector(vectors_.back()); // VᵀV is that of the stored vectors
       Coordinates part = unknowns.pairings(std::vector{unknowns.dual(v)}, vectors_);
       const double squared = part.back();
       part.pop_back();
@@ -99,7 +100,7 @@ public:
         length = std::sqrt(squared);
       to_basis(part);
       add(x, 1, part);
-      if (!(squared > dependent_ * dependent_ * length * length)) { // rounding is left
+      if (!(squared > dependent_ * dependent_ * length * length)) { // only rounding is left
         vectors_.pop_back();
         return x;
       }
@@ -115,7 +116,7 @@ public:
     }
   }
 
-  /// The vector with coordinates x; `like` is any vector of the problem.
+  /// Returns the vector with coordinates x; `like` is any vector of the problem.
   [[nodiscard]] Vector vector(const Coordinates& x, const Vector& like) const {
     Vector v = like;
     v.scale(0);
@@ -123,10 +124,10 @@ public:
     return v;
   }
 
-  /// Restricts the subspace to that of an orthonormal basis, by which coordinates are from now on. It is that
-  /// basis itself that is stored: rounding of vectors far from orthogonal would turn the subspace. Rounded
-  /// it is orthonormal to some seven digits alone, and what a new vector has out of the subspace may be less:
-  /// the factor is that of what is stored.
+  /// Restricts the subspace to the span of an orthonormal basis, to which coordinates refer from now on. The
+  /// basis itself is stored: rounding of vectors far from orthogonal would turn the subspace. Rounded vectors
+  /// are orthonormal to some seven digits only, and the part of a new vector outside may be smaller. So R is
+  /// recomputed from the stored vectors.
   void restrict(const std::vector<Coordinates>& basis) {
     std::vector<Coordinates> factors;
     for (Coordinates x : basis) {
@@ -154,7 +155,7 @@ public:
   [[nodiscard]] std::size_t dimension() const { return factor_.size(); }
 
 private:
-  /// Computes R anew from the vectors stored, which are nearly orthonormal.
+  /// Recomputes R from the stored vectors, which are nearly orthonormal.
   void factorise(const U& unknowns) {
     constexpr std::size_t at_once = 8; // products are then bound by reading the vectors
     factor_.clear();
@@ -173,7 +174,7 @@ private:
     }
   }
 
-  /// c = R⁻ᵀ c, of products with the vectors: coordinates.
+  /// Converts products with the stored vectors to coordinates: c = R⁻ᵀ c.
   void to_basis(Coordinates& c) const {
     for (std::size_t j = 0; j < c.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i)
@@ -182,7 +183,7 @@ private:
     }
   }
 
-  /// R⁻¹ x, of coordinates: factors of the vectors.
+  /// Returns the factors R⁻¹ x of the stored vectors for coordinates x.
   [[nodiscard]] Coordinates to_vectors(Coordinates x) const {
     for (std::size_t j = x.size(); j-- > 0;) {
       x[j] /= factor_[j][j];
@@ -192,9 +193,9 @@ private:
     return x;
   }
 
-  /// Whether V stays well conditioned with a vector of this squared length, of which these factors of V are
-  /// in the subspace and `rest` is the squared length of what is not. Otherwise that is to be stored alone.
-  /// By ratios of length, the inverse of R gets a column of at most this length.
+  /// Whether V stays well conditioned with a vector of this squared length. `factors`: its part in the
+  /// subspace by V; `rest`: squared length of its part outside, which otherwise must be stored alone. The new
+  /// column of R⁻¹, scaled by the vectors' lengths, is then bounded.
   [[nodiscard]] bool well_conditioned(const Coordinates& factors, double squared, double rest) const {
     constexpr double most = 1e5; // rounding then leaves 11 digits of coordinates
     double sum = squared;
@@ -204,8 +205,8 @@ private:
   }
 
   std::vector<Compact> vectors_;
-  std::vector<Coordinates> factor_; ///< columns of R, of one entry more each
-  bool rounded_ = false;            ///< since R was computed
+  std::vector<Coordinates> factor_; ///< columns of R, each one entry longer than the last
+  bool rounded_ = false;            ///< vectors were rounded since R was computed
   double dependent_;
 };
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 /// Optimisation algorithms for concepts, independent of PETSc and dolfinx. PETSc's TAO is not used: it
-/// measures with the Euclidean product of the coefficients, whose iterations grow in number as the mesh is
-/// refined; the remedy, a change of variables by the root of the mass matrix, exists for diagonal ones only.
+/// measures with the Euclidean product of the coefficients, so that iterations grow in number as the mesh is
+/// refined. The remedy, a change of variables by the root of the mass matrix, exists for diagonal ones only.
 namespace signorini::optimize {
 
 /// An immutable vector with several owners, so that the state of a search is cheap to copy.
@@ -24,11 +24,12 @@ Shared<Vector> share(Vector v) {
   return std::make_shared<const Vector>(std::move(v));
 }
 
-/// What is unknown: vectors of a Hilbert space with simple bounds. A control is one case (ControlSpace).
+/// Space of unknowns: vectors of a Hilbert space with simple bounds, such as controls (ControlSpace).
 template <class U>
 concept Unknowns =
     std::copyable<typename U::Vector> && std::semiregular<typename U::Compact> &&
-    // A vector as many are stored, perhaps rounded, cheap to copy; what is computed with them is a Vector.
+    // Compact: a vector for storing many, perhaps rounded, cheap to copy; results of computations are
+    // Vectors.
     std::constructible_from<typename U::Compact, const typename U::Vector&> &&
     std::constructible_from<typename U::Vector, const typename U::Compact&> &&
     requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
@@ -39,16 +40,16 @@ concept Unknowns =
       { w.scale(1.0) };
       // list_j = Σ_i columns_ji list_i, each rounded once; the list is then as long as the columns.
       { U::Compact::combine(list, columns) };
-      // By this product gradients are Riesz representatives and lengths are measured.
+      // Product in which gradients are Riesz representatives and lengths are measured.
       { unknowns.inner(u, u) } -> std::convertible_to<double>;
-      // The functional inner(u, ·), in a form of pairings()' choice: the inverse of the Riesz map.
+      // The functional inner(u, ·), in the form that pairings() takes: the inverse of the Riesz map.
       { unknowns.dual(u) } -> std::same_as<typename U::Vector>;
       // (dual(v_i), w): inner(v_i, w_j) (duals × list) in one pass over the w_j, since lists of them are
       // long.
       { unknowns.pairings(duals, list) } -> std::same_as<std::vector<double>>;
-      // Whether there are bounds; without them what follows changes nothing.
+      // Whether there are bounds; without them the next two change nothing.
       { unknowns.bounded() } -> std::convertible_to<bool>;
-      // Onto the bounds, the nearest point by inner().
+      // Projects onto the bounds: the nearest point by inner().
       { unknowns.project(w) };
       // (w, u, d): w = 0 where u is at a bound and d points out of it; an orthogonal projection by inner().
       { unknowns.zero_blocked(w, u, u) };
@@ -94,8 +95,8 @@ typename U::Vector tangential(const U& unknowns, const typename U::Vector& u, co
   return along;
 }
 
-/// Serialises a list element by element. One serialize(archive) both writes and reads what a method
-/// remembers; an archive takes numbers, lists of numbers and shared vectors by name.
+/// Serialises a list element by element. One serialize(archive) both writes and reads the state of a method;
+/// an archive takes numbers, lists of numbers and shared vectors by name.
 template <class Archive, class T, class Each>
 void serialize_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
   auto count = static_cast<int>(list.size());
@@ -105,11 +106,11 @@ void serialize_list(Archive& archive, const std::string& name, std::vector<T>& l
     each(list[i], name + "/" + std::to_string(i));
 }
 
-/// A piecewise smooth function J of unknowns, whose space the problem is itself.
+/// Piecewise smooth function J of unknowns; the problem is their space, too.
 template <class P>
 concept Differentiable = Unknowns<P> && requires(P& problem, const typename P::Vector& u) {
   { problem.value(u) } -> std::convertible_to<double>; // J(u); u becomes the trial. Throws SolverFailure
-  { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
+  { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // Riesz representative at the trial
   { problem.accept() };                                             // the trial becomes the current point
 };
 
@@ -129,7 +130,7 @@ struct Iterate {
 
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// J at u, which becomes the trial; none where a solver fails, which counts as too long a step.
+/// Returns J at u, which becomes the trial; none where a solver fails, which counts as too long a step.
 template <Differentiable P>
 std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   try {
@@ -139,7 +140,7 @@ std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   }
 }
 
-/// J and its gradient at u, which becomes the trial; none where a solver fails or J is not finite.
+/// Returns J and its gradient at u, which becomes the trial; none where a solver fails or J is not finite.
 template <Differentiable P>
 std::optional<Iterate<P>> evaluated(P& problem, typename P::Vector u) {
   const double value = attempt(problem, u).value_or(nan);

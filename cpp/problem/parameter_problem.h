@@ -4,8 +4,8 @@
 
 namespace signorini::problem {
 
-/// The problem of a scene's parameters: their misfit and the reduced problem, with a control beside them
-/// where `control` is given. The models at all values share the mesh and the choice of solvers.
+/// Problem of a scene's parameters: their misfit and the reduced problem, with a control beside them where
+/// `control` is given. The models at all values share the mesh and the choice of solvers.
 class ParameterProblem {
 public:
   /// Reads the data. Collective. The references must outlive this object. Throws UserError.
@@ -25,11 +25,11 @@ public:
   }
   /// Whether a control is sought too.
   [[nodiscard]] bool seeks_control() const { return seeks_control_; }
-  /// The needs of the problem at any x, whose solvers are chosen once.
+  /// Needs of the problem at any x; solvers are chosen once.
   [[nodiscard]] step::Stepper::Needs needs() const;
 
 private:
-  /// Collective. Throws UserError where the scene is none at x.
+  /// Sets up the model at x. Collective. Throws UserError if the scene is invalid there.
   control::Model model(std::span<const double> x, std::size_t columns, trajectory::Stops stops);
 
   Timers& timers_;

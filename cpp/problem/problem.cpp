@@ -49,7 +49,7 @@ using Displacements = std::unique_ptr<const step::Displacements>;
 Displacements computed(const Problem& problem, const control::ControlSpace& controls,
                        const control::Control& reference, const trajectory::StateStoreFactory& storage,
                        const Console& console) {
-  /// Owns the control's force too: steps are made again by it where the storage keeps checkpoints.
+  /// Owns the control's force too: steps are recomputed with it where the storage keeps checkpoints.
   class Computed final : public step::Displacements {
   public:
     Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
@@ -77,7 +77,7 @@ Displacements computed(const Problem& problem, const control::ControlSpace& cont
 /// A displacement at time t. Collective.
 using Evaluate = std::function<void(double t, Vec y)>;
 
-/// All evaluated at construction and kept in memory.
+/// Motion that is evaluated at construction and kept in memory.
 class StoredMotion final : public step::Displacements {
 public:
   StoredMotion(const Problem& problem, const Evaluate& evaluate)
@@ -93,7 +93,7 @@ private:
   petsc::Series all_;
 };
 
-/// Evaluated on demand.
+/// Motion that is evaluated on demand.
 class Evaluated final : public step::Displacements {
 public:
   Evaluated(const Problem& problem, Evaluate evaluate)
@@ -110,10 +110,10 @@ private:
   const Problem& problem_;
   Evaluate evaluate_;
   petsc::Vector y_;
-  mutable int last_ = -1; ///< a state is asked for several times in a row
+  mutable int last_ = -1; ///< step last evaluated: it is requested several times in a row
 };
 
-/// Constant in time.
+/// Motion that is constant in time.
 class Constant final : public step::Displacements {
 public:
   Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
@@ -140,17 +140,17 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
 }
 
 /// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
-/// machine's memory, one machine for each rank: the number of steps is then unintended, and Linux would grant
+/// machine's memory, one machine for each rank. The number of steps is then unintended, and Linux would grant
 /// the memory until it kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
   const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
   const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
-    throw UserError(fmt::format(
-        "time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB "
-        "of memory, allowed is what fits in the machine's {:.3g} GB",
-        problem.scene.time.step, problem.steps(), kept ? " and a motion" : "", needed / 1e9, room / 1e9));
+    throw UserError(fmt::format("time.step: found {:.10g} s, which makes {} steps, of which a control{} "
+                                "alone take {:.3g} GB of memory; this machine has {:.3g} GB",
+                                problem.scene.time.step, problem.steps(), kept ? " and a motion" : "",
+                                needed / 1e9, room / 1e9));
 }
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
@@ -188,7 +188,7 @@ step::Stepper::Needs check_needs(const scene::Scene& scene) {
 }
 
 step::Stepper::Needs search_needs(const scene::Scene& scene) {
-  constexpr int usual = 50;    // iterations until most of what can be had is had
+  constexpr int usual = 50;    // iterations for most of the possible decrease
   constexpr double sweeps = 2; // forward and adjoint
   return {.derivatives = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
 }
@@ -236,8 +236,8 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   controls_.emplace(problem.space, problem.operators, problem.grid, control);
   if (controls_->stepwise() && !problem.grid.complete()) {
     if (control.stored)
-      throw UserError("control.initial: found the control of a run with time.step = \"auto\", allowed is one "
-                      "on intervals of its own (control.step), or expressions");
+      throw UserError("control.initial: found the control of a run with time.step = \"auto\"; use one on "
+                      "intervals of its own (control.step), or expressions");
     force_ = std::make_unique<control::SampledForce>(*controls_, *control.initial, "control.initial", true);
     return;
   }
@@ -264,9 +264,8 @@ void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console
     shortest = std::min(shortest, grid.length(k));
     longest = std::max(longest, grid.length(k));
   }
-  console.line(
-      fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were made again",
-                  grid.steps(), shortest, longest, control.rejected()));
+  console.line(fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were repeated",
+                           grid.steps(), shortest, longest, control.rejected()));
   problem.grid = grid;
 }
 
@@ -320,7 +319,7 @@ std::optional<Warning> desired_warning(const Problem& problem) {
     times = io::StoredField(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
                             grid.end())
                 .times();
-  } catch (const UserError&) { // gone since it was read, which is no reason to lose a run
+  } catch (const UserError&) { // the file is gone since it was read
     return std::nullopt;
   }
   double apart = 0, longest = 0;
@@ -332,9 +331,8 @@ std::optional<Warning> desired_warning(const Problem& problem) {
   if (!(apart > alike * longest))
     return std::nullopt;
   return Warning{"desired motion between stored times",
-                 fmt::format("the states of {} are up to {:.3g} s apart, between which the desired motion "
-                             "is taken as linear, and the steps here are {:.3g} s long: let that run "
-                             "have output.every = 1",
+                 fmt::format("the states of {} are up to {:.3g} s apart, with steps of {:.3g} s here, and "
+                             "interpolated linearly; give that run output.every = 1",
                              run->folder.string(), apart, longest),
                  apart / longest, alike};
 }

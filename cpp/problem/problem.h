@@ -7,7 +7,7 @@
 
 namespace signorini::problem {
 
-/// The mesh of a scene and the functions on it, on which no unknown depends.
+/// Mesh of a scene and the functions on it, independent of all unknown parameters.
 struct Discretisation {
   /// Collective. Throws UserError.
   Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers, const mesh::Meshing& meshing = {});
@@ -21,7 +21,7 @@ struct Problem {
   /// Collective. Throws UserError, SolverFailure, Interrupted.
   Problem(MPI_Comm comm, const scene::Scene& s, step::Stepper::Needs needs, Timers& t)
       : Problem(std::make_shared<const Discretisation>(comm, s, t), s, needs, t) {}
-  /// With a discretisation that several problems share.
+  /// Sets the problem up on a discretisation that several problems share.
   Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s, step::Stepper::Needs needs,
           Timers& t, trajectory::Stops stops = trajectory::Stops::obeyed);
   Problem(const Problem&) = delete;
@@ -29,7 +29,7 @@ struct Problem {
 
   const scene::Scene& scene;
   Timers& timers;
-  std::shared_ptr<const Discretisation> discretisation; ///< which others may share
+  std::shared_ptr<const Discretisation> discretisation; ///< may be shared with other problems
   const mesh::Mesh& mesh;
   const fem::Space& space;
   fem::Operators operators;
@@ -47,30 +47,30 @@ struct Problem {
     return {space, {scene_loads(), control}};
   }
   [[nodiscard]] int steps() const { return grid.steps(); }
-  /// Unknowns that no clamp holds, on all ranks. Collective.
+  /// Number of unknowns that are not clamped, on all ranks. Collective.
   [[nodiscard]] long free_dofs() const;
 };
 
-/// What each verb needs of the solvers, as far as that is known before it starts.
+/// Requirements of each verb on the solvers, if known before it starts.
 [[nodiscard]] step::Stepper::Needs simulation_needs(const scene::Scene& scene);
-[[nodiscard]] step::Stepper::Needs study_needs(const scene::Scene& scene); ///< of a rung
+[[nodiscard]] step::Stepper::Needs study_needs(const scene::Scene& scene); ///< needs of a rung
 [[nodiscard]] step::Stepper::Needs check_needs(const scene::Scene& scene);
 [[nodiscard]] step::Stepper::Needs search_needs(const scene::Scene& scene);
-[[nodiscard]] step::Stepper::Needs fit_needs(const scene::Scene& scene); ///< of one evaluation
+[[nodiscard]] step::Stepper::Needs fit_needs(const scene::Scene& scene); ///< needs of one evaluation
 
-/// Stores of the states of motions, those of controls or of the desired one: where the latter is computed,
-/// each kind may use half of the scene's budget.
+/// Stores of the states of motions, those of controls or of the desired one. If the latter is computed, each
+/// kind may use half of the scene's budget.
 [[nodiscard]] trajectory::StateStoreFactory state_stores(const Problem& problem);
 
-/// The desired motion of a scene that gives it by expressions or by a run; `keep`: all of its states in
+/// Desired motion of a scene, given by expressions or by a run; `keep`: whether all of its states are kept in
 /// memory. Collective. `problem` must outlive it. Throws UserError.
 std::unique_ptr<const step::Displacements> given_motion(const Problem& problem, bool keep);
 
-/// Warns where a run whose motion is desired stored fewer states than this one has. Collective.
+/// Warns if a run whose motion is desired stored fewer states than this run has. Collective.
 std::optional<Warning> desired_warning(const Problem& problem);
 
-/// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise. Where
-/// the lengths of steps are still to be chosen and it is constant on each, it is evaluated step by step.
+/// Control that a scene gives (control.initial, within its bounds), for runs that do not optimise. If the
+/// lengths of steps are still to be chosen and it is constant on each step, it is evaluated step by step.
 class GivenControl {
 public:
   /// Collective. `problem` must outlive this object. Throws UserError.
@@ -78,12 +78,12 @@ public:
   GivenControl(const GivenControl&) = delete;
   GivenControl& operator=(const GivenControl&) = delete;
 
-  /// Whether there is one.
+  /// Whether there is a control.
   [[nodiscard]] bool acts() const { return force_ != nullptr; }
 
   /// The control's force, null without one.
   [[nodiscard]] const step::Load* force() const { return force_.get(); }
-  /// All forces, the control's included; valid as long as this object lives.
+  /// All forces on the body, the control's included; valid as long as this object lives.
   [[nodiscard]] step::ForceAtStep load() const;
 
   /// The control on the steps of `controls`, zero where the scene gives none. Collective. Throws UserError.
@@ -96,9 +96,9 @@ private:
   std::unique_ptr<const step::Load> force_;
 };
 
-/// Sets the steps of the problem, if their lengths vary and are not known yet, by a motion under the control
-/// that the scene gives or, where it gives none, the one whose motion is desired. What refers to the steps is
-/// to be made afterwards. Collective. Throws UserError, SolverFailure, Interrupted.
+/// Sets the steps of the problem, if their lengths vary and are not known yet, by a motion under a control:
+/// the one that the scene gives or, without one, that of the desired motion. Objects that refer to the steps
+/// must be made afterwards. Collective. Throws UserError, SolverFailure, Interrupted.
 void choose_steps(Problem& problem, const Console& console);
 /// Sets the steps by a motion under `load`, whether or not they are known.
 void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console& console);
@@ -106,7 +106,7 @@ void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console
 void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console);
 
-/// The control problem of a scene: control, objective, desired motion and reduced problem.
+/// Control problem of a scene: control, objective, desired motion and reduced problem.
 struct ControlProblem {
   /// Computes the desired states, by simulating the reference control if there is one. Collective. Throws
   /// UserError, SolverFailure, Interrupted.
@@ -116,7 +116,7 @@ struct ControlProblem {
 
   control::ControlSpace controls;
   std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
-  /// For the motions of controls, of which one is read at a time, and for the desired motion.
+  /// Stores for the motions of controls, of which one is read at a time, and for the desired motion.
   trajectory::StateStoreFactory storage, desired_storage;
   control::Objective objective;
   control::ReducedProblem reduced;

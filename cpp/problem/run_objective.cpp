@@ -6,7 +6,7 @@ namespace signorini::problem {
 
 namespace {
 
-/// The motion under a reference control, made as far as it is asked for, step by step.
+/// The motion under a reference control, computed step by step on demand.
 class Marching final : public step::Displacements {
 public:
   Marching(const Problem& problem, const control::ControlSpace& controls, const scene::Components& reference)
@@ -33,7 +33,7 @@ private:
   const Problem& problem_;
   control::SampledForce force_;
   step::ForceAtStep load_;
-  // States follow each other: each is made from the one before when it is asked for, so that two are stored.
+  // States follow each other: each is computed on demand from the one before, so that two are stored.
   mutable step::Stepper::Workspace work_;
   mutable std::array<contact::ContactState, 2> contact_;
   mutable trajectory::TimeIntegrator integrator_;
@@ -56,7 +56,7 @@ RunObjective::RunObjective(const Problem& problem, const GivenControl& given)
 
 void RunObjective::observe(const trajectory::Frame& frame) {
   const auto timer = problem_.timers.time("objective");
-  const Vec desired = desired_->y(frame.step); // every one: it may be made step by step
+  const Vec desired = desired_->y(frame.step); // at every step: it may be computed step by step
   const bool weighs = problem_.scene.objective->tracking > 0 || frame.last;
   squared_distances_.push_back(weighs ? observed_.squared_distance(frame.after.y(), desired) : 0);
 }

@@ -4,12 +4,12 @@
 
 namespace signorini::problem {
 
-/// J along a motion that is simulated under the scene's given control, sampled frame by frame, also where its
-/// steps are chosen on the way. A desired motion that a control makes is simulated beside it: of either no
-/// more than two states are in memory.
+/// J of a motion that is simulated under the scene's given control, sampled frame by frame, even if its steps
+/// are chosen during the run. A desired motion of a control is simulated beside it; at most two states of
+/// either are in memory.
 class RunObjective {
 public:
-  /// For a scene with an objective. Collective. The references must outlive this object. Throws UserError.
+  /// The scene must have an objective. Collective. The references must outlive this object. Throws UserError.
   RunObjective(const Problem& problem, const GivenControl& given);
   RunObjective(const RunObjective&) = delete;
   RunObjective& operator=(const RunObjective&) = delete;
@@ -23,7 +23,7 @@ public:
 private:
   const Problem& problem_;
   const GivenControl& given_;
-  control::ControlSpace controls_; ///< of the reference control
+  control::ControlSpace controls_; ///< space of the reference control
   control::ObservedSet observed_;
   std::unique_ptr<const step::Displacements> desired_;
   std::vector<double> squared_distances_;

@@ -12,7 +12,7 @@ namespace signorini::scene {
 template <std::size_t n>
 using Names = std::array<std::string_view, n>;
 
-/// Of the coordinates in a mesh file.
+/// Unit of the coordinates in a mesh file.
 enum class LengthUnit { m, cm, mm, um, in };
 constexpr Names<5> names(LengthUnit) { return {"m", "cm", "mm", "um", "in"}; }
 constexpr double metres(LengthUnit unit) {
@@ -23,7 +23,7 @@ constexpr double metres(LengthUnit unit) {
 enum class TimeScheme { contact_implicit, contact_stabilized };
 constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
 
-/// Of what steps of varying length keep the error small.
+/// Quantity whose error steps of varying length keep small.
 enum class StepQuantity { displacement, contact_force, energy };
 constexpr Names<3> names(StepQuantity) { return {"displacement", "contact-force", "energy"}; }
 
@@ -34,9 +34,9 @@ constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 enum class ContactMass { consistent, massless };
 constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
 
-/// How contact enters the time stepping (docs/method.md section 2): time.scheme and contact.mass of a scene
-/// as one choice. mixed: contact-implicit, with some obstacles that take the mass of their candidates and
-/// others that do not.
+/// Treatment of contact in the time stepping (docs/method.md section 2): time.scheme and contact.mass of a
+/// scene as one choice. mixed: contact-implicit, with some obstacles that take the mass of their candidates
+/// and others that do not.
 enum class ContactScheme { contact_implicit, contact_stabilized, massless, mixed };
 constexpr Names<4> names(ContactScheme) {
   return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
@@ -46,7 +46,7 @@ constexpr bool takes_mass(ContactScheme scheme) {
   return scheme == ContactScheme::massless || scheme == ContactScheme::mixed;
 }
 
-/// What becomes of nodes that start inside the obstacle: an error, or they are moved out of it.
+/// Treatment of nodes that start inside the obstacle: an error, or a move out of it.
 enum class ContactStart { outside, project };
 constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
 
@@ -54,15 +54,15 @@ constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
 enum class Shape { half_space, ball, cylinder, signed_distance };
 constexpr Names<4> names(Shape) { return {"half-space", "ball", "cylinder", "signed-distance"}; }
 
-/// Where the body is, of a round obstacle's surface.
+/// Side of a round obstacle's surface on which the body is.
 enum class Side { outside, inside };
 constexpr Names<2> names(Side) { return {"outside", "inside"}; }
 
-/// Where a control has values: at the nodes, or one in each cell.
+/// Places of a control's values: the nodes, or one in each cell.
 enum class ControlValues { nodal, cellwise };
 constexpr Names<2> names(ControlValues) { return {"nodal", "cellwise"}; }
 
-/// What may be unknown of a scene; docs/method.md section 9.
+/// Numbers of a scene that may be unknown; docs/method.md section 9.
 enum class Parameter {
   young,
   poisson,
@@ -84,11 +84,11 @@ constexpr Names<14> names(Parameter) {
           "position", "angle",   "center", "radius", "load.body", "load.gravity",         "load.traction"};
 }
 
-/// On which scale an unknown is sought, and its uncertainty given.
+/// Scale on which an unknown is sought and its uncertainty given.
 enum class ParameterScale { linear, logarithmic };
 constexpr Names<2> names(ParameterScale) { return {"linear", "log"}; }
 
-/// What is measured; docs/method.md section 10.
+/// Measured quantity; docs/method.md section 10.
 enum class Quantity {
   displacement,
   velocity,
@@ -104,13 +104,13 @@ constexpr Names<8> names(Quantity) {
           "contact-time", "impulse-duration", "sustained-peak"};
 }
 
-/// docs/method.md section 6.
+/// Method of a search; docs/method.md section 6.
 enum class OptimizerMethod { lbfgs, newton_cg, projected_gradient, gauss_newton };
 constexpr Names<4> names(OptimizerMethod) {
   return {"lbfgs", "newton-cg", "projected-gradient", "gauss-newton"};
 }
 
-/// Where a search starts: at the optimum of coarser meshes and longer steps, or at the first guess.
+/// Start of a search: the optimum of coarser meshes and longer steps, or the first guess.
 enum class SearchStart { coarse, guess };
 constexpr Names<2> names(SearchStart) { return {"coarse", "guess"}; }
 
@@ -118,15 +118,15 @@ constexpr Names<2> names(SearchStart) { return {"coarse", "guess"}; }
 enum class ViMethod { condensed, full };
 constexpr Names<2> names(ViMethod) { return {"condensed", "full"}; }
 
-/// Solver of systems with D; automatic: whichever fits the memory.
+/// Solver of systems with D; automatic: by memory and estimated run time.
 enum class LinearMethod { automatic, direct, iterative };
 constexpr Names<3> names(LinearMethod) { return {"auto", "direct", "iterative"}; }
 
-/// Where the states of a motion wait for the adjoint sweep.
+/// Storage of a motion's states for the adjoint sweep.
 enum class Storage { memory, disk, checkpoints };
 constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
 
-/// On a violation of an invariant: say so at the end, stop there, or do not look.
+/// Reaction to a violated invariant: a warning at the end, a stop there, or no check at all.
 enum class OnViolation { warn, stop, off };
 constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 
@@ -146,7 +146,7 @@ std::string name(E value) {
   return std::string(names(value)[static_cast<std::size_t>(value)]);
 }
 
-/// All names of a kind of choice.
+/// Names of all choices of a kind.
 template <class E>
 std::vector<std::string> all_names() {
   const auto all = names(E{});

@@ -37,8 +37,8 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   values[key] = text.str();
 }
 
-/// A scene as a run wrote it. Paths need not be UTF-8, as TOML has to be: then each byte of theirs is a
-/// character.
+/// Parses a scene as a run wrote it. Paths need not be UTF-8, as TOML has to be: then each of their bytes is
+/// taken as a character.
 toml::table parsed(const std::string& scene) {
   try {
     return toml::parse(scene);

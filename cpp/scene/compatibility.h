@@ -7,17 +7,17 @@
 
 namespace signorini::scene {
 
-/// How the control of a resolved scene acts, and on which intervals it is constant.
+/// Keys of a resolved scene that define how its control acts and on which intervals it is constant.
 struct ControlKeys {
   double scale = 1;
   std::string on;                      ///< empty: the body
   std::vector<std::string> components; ///< empty: all
   bool constant_in_time = false;
-  double step = 0;      ///< s, of its own intervals; 0: the time steps
-  double time_step = 0; ///< s; 0: of varying length
+  double step = 0;      ///< length of the control's own intervals, s; 0: the time steps
+  double time_step = 0; ///< s; 0: varying
   double end = 0;       ///< s
 };
-/// Reads them; absent if the text is no resolved scene with a control.
+/// Reads the keys of the control; absent if the text is no resolved scene with a control.
 std::optional<ControlKeys> control_keys(const std::string& scene);
 
 /// A key in which two problems differ, as "key = value" of the first and of the second.

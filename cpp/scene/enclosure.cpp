@@ -15,7 +15,7 @@ namespace {
 
 using Range = std::function<Interval(const Box&)>;
 
-/// A part of an expression, and, where it is one, the line slope · t + value.
+/// Part of an expression, with slope and value where it is a line slope · t + value.
 struct SubExpression {
   Range range;
   struct Line {
@@ -24,7 +24,7 @@ struct SubExpression {
   std::optional<Line> line{};
 };
 
-/// Thrown where the language has more than this file knows.
+/// Thrown for parts of the language that this file does not support.
 struct NotEnclosed {};
 
 const Interval all_numbers(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
@@ -38,7 +38,7 @@ Interval truth(bool never, bool always) { return {always ? 1.0 : 0.0, never ? 0.
 bool is_true(const Interval& x) { return x.lower() > 0 || x.upper() < 0; }
 bool is_false(const Interval& x) { return x.lower() == 0 && x.upper() == 0; }
 
-/// The values of a function that grows from `from` on, below which it has none.
+/// Range of a function that is defined from `from` on and increases.
 template <double (*f)(double)>
 Interval growing(const Interval& x, double from) {
   if (x.lower() < from)
@@ -61,7 +61,7 @@ Interval power(const Interval& base, const Interval& exponent) {
   return range;
 }
 
-/// −1, 0 or 1.
+/// Sign of a number: −1, 0 or 1.
 double sign(double x) { return static_cast<double>((x > 0) - (x < 0)); }
 
 using Arguments = std::vector<Interval>;
@@ -143,7 +143,7 @@ struct Comparison {
   std::string_view token;
   Interval (*compare)(const Interval& a, const Interval& b);
 };
-/// The longer tokens first.
+/// Comparison operators, the longer tokens first.
 constexpr Comparison comparisons[]{
     {"<=", at_most}, {">=", [](const Interval& a, const Interval& b) { return at_most(b, a); }},
     {"==", equal},   {"!=", [](const Interval& a, const Interval& b) { return 1.0 - equal(a, b); }},
@@ -181,7 +181,7 @@ private:
       throw NotEnclosed();
   }
 
-  /// Notes when two parts are equal, if both are lines over time.
+  /// Adds the time at which two parts are equal to the knots, if both are lines over time.
   void meet(const SubExpression& a, const SubExpression& b) {
     if (a.line && b.line && a.line->slope != b.line->slope)
       knots.push_back((b.line->value - a.line->value) / (a.line->slope - b.line->slope));
@@ -280,7 +280,7 @@ private:
     return part;
   }
 
-  /// A sign binds less than a power: −2^2 is −4.
+  /// Parses a sign and a power. The sign binds less: −2^2 is −4.
   SubExpression signed_power() {
     if (take("+"))
       return signed_power();

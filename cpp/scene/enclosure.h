@@ -22,13 +22,13 @@ using Box = std::array<Interval, 4>;
 /// the language of muParser, by which Field evaluates. Ends are rounded to nearest.
 class Enclosure {
 public:
-  /// Knows nothing.
+  /// Makes an enclosure of no expression: known() is false.
   Enclosure() = default;
-  /// Reads an expression that muParser has accepted; known() is false for what this class cannot read.
+  /// Reads an expression that muParser has accepted; known() is false if this class cannot read it.
   explicit Enclosure(const std::string& expression);
 
   [[nodiscard]] bool known() const { return known_; }
-  /// The range of values over a box, or a larger one: all numbers if the expression is not known.
+  /// Range of values over a box, or a larger one: all numbers if the expression is not known.
   [[nodiscard]] Interval operator()(const Box& box) const;
   /// Times (s) at which t passes a number that it is compared with, in no order.
   [[nodiscard]] const std::vector<double>& knots() const { return knots_; }

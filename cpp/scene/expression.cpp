@@ -44,9 +44,9 @@ struct Field::Impl {
   Components text;
   std::string key;
   std::array<double, 4> variables{};
-  /// Of a component.
+  /// Parsed expression of a component.
   struct Component {
-    mu::Parser parser; ///< without an expression for a time series
+    mu::Parser parser; ///< has no expression for a time series
     Enclosure enclosure;
     bool depends_on_time = false, depends_on_place = false;
   };
@@ -87,9 +87,9 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
     } catch (const mu::ParserError& error) {
       const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
       throw UserError(
-          fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are {}, and the variables {}", key,
-                      text, position >= 0 ? fmt::format(" at position {}", position) : "", error.GetMsg(),
-                      expression_parts(), time ? "x, y, z, t" : "x, y, z"));
+          fmt::format("{}: the expression \"{}\" is wrong{}: {}; expressions have {}, and the variables {}",
+                      key, text, position >= 0 ? fmt::format(" at position {}", position) : "",
+                      error.GetMsg(), expression_parts(), time ? "x, y, z, t" : "x, y, z"));
     }
   }
 }
@@ -117,7 +117,7 @@ double Field::value(std::size_t component, const double* x, double t) const {
       expression.factor * (expression.series ? (*expression.series)(t) : impl_->of[component].parser.Eval());
   if (!std::isfinite(value))
     throw UserError(fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
-                                "be finite in the whole body at all times",
+                                "be finite everywhere at all times",
                                 impl_->key, expression, value, x[0], x[1], x[2], t));
   return value;
 }

@@ -10,15 +10,15 @@
 
 namespace signorini::scene {
 
-/// What expressions consist of, in words, but for their variables.
+/// Description of the parts of expressions except the variables: operators, functions, constants.
 const std::string& expression_parts();
 
 /// A vector field given by one expression (muParser) per component in x, y, z (m) and t (s), with the
 /// constants pi and e, or by time series. Not collective.
 class Field {
 public:
-  /// `time`: whether the expressions may depend on t. Throws UserError, naming `key`, if an expression does
-  /// not parse or uses an unknown variable.
+  /// Parses the expressions. `time`: whether they may depend on t. Throws UserError, naming `key`, if an
+  /// expression does not parse or uses an unknown variable.
   Field(Components components, const std::string& key, bool time);
   ~Field();
   Field(Field&&) noexcept;
@@ -32,23 +32,23 @@ public:
   /// Whether an expression uses x, y or z.
   [[nodiscard]] bool depends_on_place() const;
   [[nodiscard]] bool depends_on_place(std::size_t component) const;
-  /// Name in messages.
+  /// Key of the field, for messages.
   [[nodiscard]] const std::string& key() const;
 
   /// Evaluates at the point `x` (3), m, and time `t`, s, into `values` (size()). Throws UserError, naming
   /// key, point and time, if a value is not finite.
   void evaluate(const double* x, double t, double* values) const;
-  /// The same of one component.
+  /// Value of one component at the point `x` (3), m, and time `t`, s. Throws as evaluate().
   [[nodiscard]] double value(std::size_t component, const double* x, double t) const;
 
-  /// The time series of a component, null for an expression.
+  /// Time series of a component, null for an expression.
   [[nodiscard]] const TimeSeries* series(std::size_t component) const;
   /// Bounds of the values of a component that is an expression.
   [[nodiscard]] Interval enclose(std::size_t component, const Box& box) const;
-  /// Times at which an expression compares t with numbers, s; those of all components, in no order.
+  /// Times (s) at which the expressions of all components compare t with numbers, in no order.
   [[nodiscard]] std::vector<double> knots() const;
 
-  /// The slope by time of a component that is a time series, per second: TimeSeries::slope().
+  /// Slope over time of a component that is a time series, per second (TimeSeries::slope()); else absent.
   [[nodiscard]] std::optional<double> slope(std::size_t component, double t, bool after) const;
 
 private:

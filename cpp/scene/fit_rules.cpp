@@ -13,7 +13,7 @@ namespace signorini::scene {
 
 namespace {
 
-/// Throws UserError unless a key is given exactly where it tells something.
+/// Throws UserError unless a key is given exactly where it has an effect.
 void require_where(Reader& in, const char* key, bool needed, bool allowed, const std::string& otherwise) {
   if (needed)
     in.require(key);
@@ -21,11 +21,11 @@ void require_where(Reader& in, const char* key, bool needed, bool allowed, const
     in.fail(key, otherwise);
 }
 
-/// Throws UserError unless an unknown of an obstacle is one that this has.
+/// Throws UserError unless the obstacle has the parameter that is unknown.
 void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
   if (scene.contacts.empty())
-    in.fail("of", fmt::format("found \"{}\" in a scene without [contact], allowed with an obstacle", of));
+    in.fail("of", fmt::format("found \"{}\" in a scene without [contact]; add one", of));
   require_where(in, "obstacle", scene.contacts.size() > 1, true, "");
   if (unknown.obstacle)
     require_obstacle(in, *unknown.obstacle, scene);
@@ -38,29 +38,29 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
                 [](const SignedDistance&) { return Allowed{}; }},
       contact.obstacle);
   if (std::ranges::find(allowed, of) == allowed.end())
-    in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\", allowed: {}", of,
+    in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\"; choices: {}", of,
                               name(static_cast<Shape>(contact.obstacle.index())),
                               allowed.empty() ? "other shapes" : list(allowed)));
   const bool round =
       std::holds_alternative<Ball>(contact.obstacle) || std::holds_alternative<Cylinder>(contact.obstacle);
   if (round && moves(contact.obstacle))
-    in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves, allowed is one at rest", of));
+    in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves; it must be at rest", of));
   if (contact.initial == ContactStart::project)
-    in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", allowed is "
-                              "\"outside\": where nodes start would depend on it",
+    in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", so that where nodes "
+                              "start would depend on it; set that to \"outside\"",
                               of));
 }
 
-/// Throws UserError unless the scene has what the unknown is of.
+/// Throws UserError unless the scene has the material, obstacle, field or load of the unknown.
 void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
   const auto absent = [&](const char* what) {
-    in.fail("of", fmt::format("found \"{}\" in a scene without {}, allowed is what the scene has", of, what));
+    in.fail("of", fmt::format("found \"{}\" in a scene without {}; choose what the scene has", of, what));
   };
   const auto one_of = [&](const std::vector<std::string>& groups) {
     require_where(in, "on", groups.size() > 1, groups.size() > 1, "has no effect: there is only one");
     if (unknown.on && std::ranges::find(groups, *unknown.on) == groups.end())
-      in.fail("on", fmt::format("found \"{}\", allowed: {}", *unknown.on, list(groups)));
+      in.fail("on", fmt::format("found \"{}\"; choices: {}", *unknown.on, list(groups)));
   };
   if (of_material(unknown.of)) {
     std::vector<std::string> groups;
@@ -69,7 +69,7 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     one_of(groups);
     if ((unknown.of == Parameter::bulk || unknown.of == Parameter::shear) &&
         !scene.materials[material_of(scene, unknown)].viscosity)
-      in.fail("of", fmt::format("found \"{}\" of an elastic material, allowed with a viscosity", of));
+      in.fail("of", fmt::format("found \"{}\" of an elastic material; give it a viscosity", of));
   } else if (of_obstacle(unknown.of)) {
     require_obstacle_parameter(in, unknown, scene);
   } else if (unknown.of == Parameter::velocity || unknown.of == Parameter::displacement) {
@@ -78,8 +78,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
       absent(velocity ? "initial.velocity" : "initial.displacement");
     const auto moved = [](const Contact& contact) { return contact.initial == ContactStart::project; };
     if (!velocity && std::ranges::any_of(scene.contacts, moved))
-      in.fail("of", fmt::format("found \"{}\" with an obstacle that has initial = \"project\", allowed is "
-                                "\"outside\": where nodes start would not follow it",
+      in.fail("of", fmt::format("found \"{}\" with an obstacle that has initial = \"project\", where nodes "
+                                "start would not follow it; set that to \"outside\"",
                                 of));
   } else if (!scene.load) {
     absent("[load]");
@@ -100,45 +100,45 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
 /// on a logarithmic scale.
 void require_natural(const Reader& in, const char* key, double value, const Unknown& unknown) {
   if (const Limits possible = limits(unknown); !possible.contain(value))
-    in.fail(key, fmt::format("found {:.10g}, allowed are numbers{}", value, possible.range()));
+    in.fail(key, fmt::format("found {:.10g}; expected a number{}", value, possible.range()));
 }
 
-/// Whether two unknowns of the same kind are of the same material, obstacle, group of tractions or load.
+/// Whether two unknowns of the same kind belong to the same material, obstacle, group of tractions or load.
 bool same_target(const Scene& scene, const Unknown& a, const Unknown& b) {
   return of_material(a.of)   ? material_of(scene, a) == material_of(scene, b)
          : of_obstacle(a.of) ? contact_of(scene, a) == contact_of(scene, b)
                              : a.on == b.on;
 }
 
-/// Throws UserError if an unknown before it is of the same number: a component of a field and a factor of it
-/// are.
+/// Throws UserError if an earlier unknown is the same number. A component of a field and a factor of the
+/// field count as the same.
 void require_another(const Reader& in, const Unknown& unknown, const Scene& scene) {
   for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i) {
     const Unknown& other = scene.unknowns[i];
     const bool apart = unknown.component && other.component && *unknown.component != *other.component;
     if (other.of == unknown.of && !apart && same_target(scene, other, unknown))
-      in.fail("of", fmt::format("found \"{}\", which {} seeks too, allowed is what no other one changes",
-                                name(unknown.of), unknown_key(i)));
+      in.fail("of", fmt::format("found \"{}\", which {} seeks too; remove one of them", name(unknown.of),
+                                unknown_key(i)));
   }
 }
 
-/// Throws UserError unless the component is one of the vector that it is of, as far as the scene tells.
+/// Throws UserError unless the component is one of its vector, where the scene gives the vector's size.
 void require_component(const Reader& in, const Unknown& unknown, const Scene& scene) {
   if (!unknown.component || unknown.of == Parameter::angle)
     return;
   const std::size_t size = components_of(scene, unknown).size();
   if (static_cast<std::size_t>(*unknown.component) >= size)
-    in.fail("component", fmt::format("found \"{}\" of a vector of {} components, allowed is one of these",
+    in.fail("component", fmt::format("found \"{}\" of a vector of {} components; choose one of these",
                                      name(*unknown.component), size));
 }
 
-/// Columns of history.csv that unknowns may not be called.
+/// Throws UserError if the name of an unknown is that of a column of history.csv.
 void require_free_name(const Reader& in, const std::string& name) {
   constexpr std::array columns{"iteration",      "objective",     "decrement",  "damping",  "forward_sweeps",
                                "adjoint_sweeps", "seconds",       "tracking",   "terminal", "control_cost",
                                "misfit",         "gradient_norm", "step_length"};
   if (std::ranges::find(columns, name) != columns.end())
-    in.fail("name", fmt::format("found \"{}\", a column of history.csv, allowed is another", name));
+    in.fail("name", fmt::format("found \"{}\", a column of history.csv; choose another name", name));
 }
 
 } // namespace
@@ -178,7 +178,7 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
     require_natural(in, "upper", *unknown.upper, unknown);
   if ((unknown.lower && !(*unknown.lower <= unknown.start)) ||
       (unknown.upper && !(unknown.start <= *unknown.upper)))
-    in.fail("start", fmt::format("found {:.10g}, allowed are numbers within the bounds", unknown.start));
+    in.fail("start", fmt::format("found {:.10g}; expected a number within the bounds", unknown.start));
   if (unknown.prior)
     require_natural(in, "prior", unknown.prior->mean, unknown);
 }
@@ -190,15 +190,15 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
   const std::string of = name(measurement.of);
   if (motion) {
     if (in.has("point") == in.has("on"))
-      in.fail("", fmt::format("found {}, allowed is one of point, on", in.has("on") ? "both" : "neither"));
+      in.fail("", fmt::format("found {}; give one of point, on", in.has("on") ? "both" : "neither"));
     if (in.has("obstacle"))
       in.fail("obstacle", fmt::format("has no effect on a {}", of));
   } else {
     if (scene.contacts.empty())
-      in.fail("of", fmt::format("found \"{}\" in a scene without [contact], allowed with an obstacle", of));
+      in.fail("of", fmt::format("found \"{}\" in a scene without [contact]; add one", of));
     for (const char* key : {"point", "on"})
       if (in.has(key))
-        in.fail(key, "has no effect on what contact does; allowed with a displacement or a velocity");
+        in.fail(key, "has no effect on what contact does; use it with a displacement or a velocity");
     if (measurement.obstacle)
       require_obstacle(in, *measurement.obstacle, scene);
   }
@@ -209,20 +209,20 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
   require_where(in, "value", !measurement.fitted(), !measurement.fitted(), "has no effect beside a file");
   require_where(in, "column", false, measurement.fitted(), "has no effect without a file");
   require_where(in, "noise", false, measurement.fitted(),
-                "has no effect on what is compared alone; allowed is deviation");
+                "has no effect on what is compared alone; use deviation");
   if (measurement.deviation && measurement.noise)
-    in.fail("noise", "found beside deviation, allowed is one of them");
+    in.fail("noise", "found beside deviation; give one of them");
 }
 
 void require_fit_rules(Reader& in, Scene& scene) {
   if (scene.time.automatic() && !scene.measurements.empty())
-    in.fail("measurement", "found with time.step = \"auto\", allowed with steps of one length: lengths that "
-                           "were chosen anew for each value of the unknowns would make the fit rough");
+    in.fail("measurement", "found with time.step = \"auto\", whose lengths, chosen for each value of the "
+                           "unknowns, would make the fit rough; give time.step in s");
   if (!scene.unknowns.empty()) {
-    // With a control they are sought together, by lbfgs.
+    // Unknowns are sought together with a control, by lbfgs.
     const OptimizerMethod method = scene.objective ? OptimizerMethod::lbfgs : OptimizerMethod::gauss_newton;
     if (in.has("optimizer") && in.table("optimizer").has("method") && scene.optimizer.method != method)
-      in.fail("optimizer.method", fmt::format("found \"{}\" with tables [[unknown]]{}, allowed is \"{}\"",
+      in.fail("optimizer.method", fmt::format("found \"{}\" with tables [[unknown]]{}; set it to \"{}\"",
                                               name(scene.optimizer.method),
                                               scene.objective ? " and a control" : "", name(method)));
     scene.optimizer.method = method;
@@ -231,11 +231,11 @@ void require_fit_rules(Reader& in, Scene& scene) {
         if (Reader optimizer = in.table("optimizer"); optimizer.has(key))
           optimizer.fail(key, "has no effect on a fit without a control");
   } else if (scene.optimizer.method == OptimizerMethod::gauss_newton) {
-    in.fail("optimizer.method", "found \"gauss-newton\" without unknowns, allowed with tables [[unknown]]");
+    in.fail("optimizer.method", "found \"gauss-newton\" without unknowns; add tables [[unknown]]");
   }
   if (!scene.unknowns.empty() && std::ranges::none_of(scene.measurements, &Measurement::fitted))
-    in.fail("unknown", "needs data that tell it; add a table [[measurement]] of another kind than contact "
-                       "times, or leave the unknowns out");
+    in.fail("unknown", "needs data that determine it; add a table [[measurement]] of another kind than "
+                       "contact times, or remove the unknowns");
 }
 
 } // namespace signorini::scene

@@ -11,7 +11,7 @@ using schema::Entry;
 using schema::Json;
 using schema::KeyInfo;
 
-/// Adds the values of a table; of one that occurs twice, for two kinds of obstacle, only the first.
+/// Adds the lines of a table's keys; a key that occurs twice, for two shapes of obstacle, is added once.
 void add(const std::vector<Entry>& entries, const std::string& path, const KeyInfo& table,
          std::vector<KeyLine>& lines) {
   for (const Entry& entry : entries) {

@@ -17,10 +17,10 @@ const Json number{{"type", "number"}}, text{{"type", "string"}}, expression{{"ty
                 {"required", {"file", "column"}},
                 {"additionalProperties", false}};
 
-/// Throws UserError if an expression names a place.
+/// Throws UserError if an expression depends on place.
 void require_time_alone(const Reader& in, Name key, const Components& components) {
   if (Field(components, key, true).depends_on_place())
-    in.fail(key, fmt::format("found {}, allowed are expressions of t alone", fmt::join(components, ", ")));
+    in.fail(key, fmt::format("found {}; expected expressions of t alone", fmt::join(components, ", ")));
 }
 
 } // namespace
@@ -71,7 +71,7 @@ double NumberOrAuto::read(Reader& in, Name key, const Scene&) const {
   if (!in.is_text(key))
     return in.number(key, limits);
   if (const std::string found = in.text(key); found != "auto")
-    in.fail(key, fmt::format("found \"{}\", allowed is a number{} ({}), without quotes, or \"auto\"", found,
+    in.fail(key, fmt::format("found \"{}\"; expected a number{} ({}), without quotes, or \"auto\"", found,
                              limits.range(), limits.unit));
   return automatic;
 }
@@ -79,7 +79,7 @@ double NumberOrAuto::read(Reader& in, Name key, const Scene&) const {
 std::vector<Component> Acting::read(Reader& in, Name key, const Scene& scene) {
   std::vector<Component> components = Set::read(in, key, scene);
   if (components.empty())
-    in.fail(key, "found [], allowed is one component at least, such as [\"y\"]");
+    in.fail(key, "found []; expected at least one component, such as [\"y\"]");
   return components;
 }
 
@@ -104,7 +104,7 @@ Components ControlField::read(Reader& in, Name key, const Scene& scene) {
     return values; // a component that is not there is refused once the mesh is read
   for (std::size_t c = 0; acting && c < values.size(); ++c)
     if (!vanishes({values[c]}) && std::ranges::find(*acting, static_cast<Component>(c)) == acting->end())
-      in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out",
+      in.fail(key, fmt::format("found \"{}\" for {}, which control.components leaves out; set it to \"0\"",
                                values[c], "xyz"[c]));
   return values;
 }
@@ -135,7 +135,7 @@ Json Numbers::schema() { return array(number, 2); }
 std::vector<double> Direction::read(Reader& in, Name key, const Scene&) const {
   std::vector<double> vector = in.numbers(key, limits);
   if (std::ranges::all_of(vector, [](double x) { return x == 0; }))
-    in.fail(key, fmt::format("found a vector of length zero, allowed is any other: {}", what));
+    in.fail(key, fmt::format("found a vector of length zero; {}", what));
   return vector;
 }
 

@@ -5,8 +5,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-/// Kinds of values. Each reads one, given the scene as far as it is read; writes one as TOML; and says what
-/// it takes, in words and as a JSON schema.
+/// Kinds of values. Each reads a value, given the part of the scene read so far; writes it as TOML; and
+/// describes the admissible values in words and as a JSON schema.
 namespace signorini::scene::kind {
 
 using Json = nlohmann::ordered_json;
@@ -15,7 +15,7 @@ using Name = const std::string&;
 std::string written(double value);
 std::string written(const std::string& text);
 std::string written(const Expression& expression);
-/// The same, of a constant a number.
+/// Writes an expression as TOML, a constant as a number.
 std::string written_as_number(const Expression& expression);
 template <class T>
 std::string written(const std::vector<T>& values) {
@@ -35,7 +35,7 @@ struct Number {
   [[nodiscard]] Json schema() const;
 };
 
-/// A number, or "auto", which is kept as `automatic`.
+/// A number, or "auto", which is stored as `automatic`.
 struct NumberOrAuto : Number {
   double automatic = 0;
   double read(Reader& in, Name key, const Scene& scene) const;
@@ -74,7 +74,7 @@ struct Text {
   static Json schema() { return {{"type", "string"}, {"minLength", 1}}; }
 };
 
-/// A path, of which a relative one is relative to the scene file; kept and written as an absolute one.
+/// A path; a relative one is relative to the scene file; stored and written as an absolute one.
 struct Path : Text {
   static std::filesystem::path read(Reader& in, Name key, const Scene&) {
     return in.followed(in.text(key), key);
@@ -110,12 +110,12 @@ struct Set {
   static Json schema() { return {{"type", "array"}, {"items", Choice<E>::schema()}}; }
 };
 
-/// The components that are held or act.
+/// Components that are clamped or act.
 struct Acting : Set<Component> {
   static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
 };
 
-/// One expression of place, with `time` of t too.
+/// Expression of place, with `time` of t too.
 struct Formula : Text {
   bool time = false;
   std::string read(Reader& in, Name key, const Scene&) const { return in.expression(key, time); }
@@ -124,7 +124,7 @@ struct Formula : Text {
   }
 };
 
-/// One expression for each component.
+/// Vector field: one expression for each component.
 struct Expressions {
   bool time = true;
   Components read(Reader& in, Name key, const Scene& scene) const {
@@ -137,7 +137,7 @@ struct Expressions {
   [[nodiscard]] Json schema() const;
 };
 
-/// Of the components that the clamp which is being read holds.
+/// Motion of a clamp: one expression for each clamped component of the clamp that is being read.
 struct ClampMotion : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
   static Json schema();
@@ -165,7 +165,7 @@ struct Varying {
   [[nodiscard]] Json schema() const;
 };
 
-/// One number for each component.
+/// Constant vector: one number for each component.
 struct Numbers {
   Limits limits{};
   std::vector<double> read(Reader& in, Name key, const Scene&) const { return in.numbers(key, limits); }
@@ -180,7 +180,7 @@ struct Direction : Numbers {
   std::vector<double> read(Reader& in, Name key, const Scene& scene) const;
 };
 
-/// One number, or one for each component.
+/// Bound of a control: one number, or one for each component.
 struct Bound {
   static std::vector<double> read(Reader& in, Name key, const Scene&) {
     return in.number_or_numbers(key, {});

@@ -24,7 +24,7 @@ Vector unit_vector(const std::vector<double>& x) {
   return u;
 }
 
-/// About this axis an angle turns; the plane's is out of it.
+/// Axis about which an angle turns; in the plane, z.
 Vector axis(const Unknown& unknown) {
   Vector a{};
   a[static_cast<std::size_t>(unknown.component.value_or(Component::z))] = 1;
@@ -35,7 +35,7 @@ Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Turned about an axis, a unit vector, by an angle (Rodrigues).
+/// Turns x about an axis, a unit vector, by an angle (Rodrigues).
 Vector turned(const Vector& x, const Vector& about, double angle) {
   const Vector across = cross(about, x);
   const double along = about[0] * x[0] + about[1] * x[1] + about[2] * x[2];
@@ -55,20 +55,20 @@ std::optional<double> constant(const Expression& expression) {
   return value;
 }
 
-/// The initial field that an unknown is of.
+/// Initial field that an unknown belongs to.
 std::optional<Components>& initial_field(Initial& initial, const Unknown& unknown) {
   return unknown.of == Parameter::velocity ? initial.velocity : initial.displacement;
 }
 
 std::size_t component(const Unknown& unknown) { return static_cast<std::size_t>(unknown.component.value()); }
 
-/// A ball, or a cylinder with a point of its axis as the centre.
+/// Centre and radius of a ball, or of a cylinder with a point of its axis as the centre.
 struct Round {
   Components& center;
   Expression& radius;
 };
 
-/// Throws std::logic_error for other shapes, which the rules exclude.
+/// Returns centre and radius. Throws std::logic_error for other shapes, which the rules exclude.
 Round round_parts(Obstacle& shape) {
   return std::visit(
       Overloads{[](Ball& ball) -> Round { return {ball.center, ball.radius}; },
@@ -85,7 +85,7 @@ void multiply(Components& components, double factor) {
   }
 }
 
-/// The number of a material.
+/// Number of a material that an unknown stands for.
 double& material_number(Scene& scene, const Unknown& unknown) {
   Material& material = scene.materials[material_of(scene, unknown)];
   switch (unknown.of) {
@@ -275,7 +275,7 @@ Limits limits(const Unknown& unknown) {
 void require_possible(const Scene& scene, std::span<const double> values) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (const Limits possible = limits(scene.unknowns[i]); !possible.contain(values[i]))
-      throw UserError(fmt::format("{}: the unknown \"{}\" is {:.10g}; allowed are numbers{}",
+      throw UserError(fmt::format("{}: the unknown \"{}\" is {:.10g}; expected a number{}",
                                   scene.file.string(), scene.unknowns[i].name, values[i], possible.range()));
 }
 
@@ -304,7 +304,7 @@ ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, s
   Vector normal = unit_vector(plane->normal);
   if (unknown.of == Parameter::position)
     rate.point = normal;
-  for (std::size_t i = 0; i < scene.unknowns.size(); ++i) { // in the order in which they turn it
+  for (std::size_t i = 0; i < scene.unknowns.size(); ++i) { // in the order of with_values()
     const Unknown& other = scene.unknowns[i];
     if (other.of != Parameter::angle || contact_of(scene, other) != contact)
       continue;

@@ -13,45 +13,45 @@ namespace signorini::scene {
 /// Unit of an unknown in SI; empty for a plain number.
 std::string unit(const Unknown& unknown);
 
-/// The limits that a parameter has by its nature.
+/// Limits of a parameter by its nature, such as a positive density.
 Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
 
-/// The vector of which an unknown is a component or a multiple: an initial field, a centre.
+/// Vector that an unknown is a component or a multiple of: an initial field, a centre.
 Components components_of(const Scene& scene, const Unknown& unknown);
 
-/// Numbers of the material and obstacle that an unknown is of. Throw std::out_of_range if the scene has none
-/// such, which reading it excludes.
+/// Numbers of the material and obstacle that an unknown belongs to. Throw std::out_of_range if the scene has
+/// none, which reading it excludes.
 std::size_t material_of(const Scene& scene, const Unknown& unknown);
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
 
-/// The value that the scene itself has of an unknown; absent where that is an expression.
+/// Value of an unknown in the scene itself; absent where that is an expression.
 std::optional<double> own_value(const Scene& scene, const Unknown& unknown);
 
-/// The values at which the unknowns start.
+/// Start values of the unknowns.
 std::vector<double> start_values(const Scene& scene);
 
-/// The scene with these values of its unknowns, in their order. Throws UserError if it can be none
-/// (unknown_limits.h).
+/// Returns the scene with these values of its unknowns, in their order. Throws UserError if one is impossible
+/// (require_possible()).
 Scene with_values(Scene scene, std::span<const double> values);
 
-/// How an obstacle changes with one of its parameters, per unit of it.
+/// Rates of change of an obstacle by one of its parameters, per unit of it.
 struct ObstacleRate {
-  std::array<double, 3> point{};  ///< of the plane's point, the centre or the axis
-  std::array<double, 3> normal{}; ///< of a half-space's unit normal
+  std::array<double, 3> point{};  ///< rate of the plane's point, the centre or the axis
+  std::array<double, 3> normal{}; ///< rate of a half-space's unit normal
   double radius = 0;
 };
-/// With the unknown of this number, where the unknowns have these values; `scene` is as read.
+/// Returns the rates by the unknown of this number at these values of all unknowns; `scene` is as read.
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number);
 
-/// The natural limits of an unknown; on a logarithmic scale it is positive.
+/// Limits of an unknown: those of its parameter; positive on a logarithmic scale.
 Limits limits(const Unknown& unknown);
-/// Throws UserError unless each unknown can have its value.
+/// Throws UserError unless each value is within the limits of its unknown.
 void require_possible(const Scene& scene, std::span<const double> values);
 
-/// Whether a factor of tractions is one of this: it scales all on its group.
+/// Whether an unknown factor of tractions scales this one: it scales all on its group.
 bool scales(const Unknown& unknown, const Traction& traction);
 
 } // namespace signorini::scene

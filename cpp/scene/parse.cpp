@@ -17,7 +17,7 @@ std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file))
     throw UserError(
-        fmt::format("{}: the scene file cannot be read; allowed is the path of a TOML file", file.string()));
+        fmt::format("{}: the scene file cannot be read; give the path of a TOML file", file.string()));
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -26,30 +26,29 @@ std::string read(const std::filesystem::path& file) {
 namespace {
 
 /// Applies one `key.path=value` of --set to a scene's table. The value is TOML, or else taken as a plain
-/// text; `file`: path of the scene, for messages. Throws UserError.
+/// text. `file`: path of the scene, for messages. Throws UserError.
 void override_key(toml::table& root, const std::string& assignment, const std::filesystem::path& file) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
     throw UserError(
-        fmt::format("--set: found \"{}\", allowed is key.path=value, such as mesh.size=0.25", assignment));
+        fmt::format("--set: found \"{}\"; expected key.path=value, such as mesh.size=0.25", assignment));
   const std::string path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
   toml::table parsed;
   try {
     parsed = toml::parse("value = " + value);
     if (parsed.size() != 1)
-      throw UserError(fmt::format("--set {}: found several lines, allowed is one value", path));
+      throw UserError(fmt::format("--set {}: found several lines; give one value", path));
   } catch (const toml::parse_error&) {
     try {
       (void)toml::parse("# " + value);
     } catch (const toml::parse_error&) {
       throw UserError(fmt::format(
-          "--set {}: found neither a value of TOML nor a text, allowed is a text on one line in UTF-8",
-          path));
+          "--set {}: found neither a value of TOML nor a text; give a text on one line in UTF-8", path));
     }
     parsed.insert("value", value);
   }
   if (path.front() == '.' || path.back() == '.' || path.find("..") != std::string::npos)
-    throw UserError(fmt::format("--set {}: the key {}, allowed are names with single dots between them",
+    throw UserError(fmt::format("--set {}: the key {}; expected names with single dots between them",
                                 assignment,
                                 path.back() == '.' ? "ends in a dot" : "has an empty name before a dot"));
   toml::table* table = &root;
@@ -77,8 +76,7 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
     }
     table = child->as_table();
     if (!table)
-      throw UserError(
-          fmt::format("--set {}: \"{}\" is not a table, allowed are keys of tables", assignment, key));
+      throw UserError(fmt::format("--set {}: \"{}\" is not a table; name a key of a table", assignment, key));
     key = next;
   }
   table->insert_or_assign(key, *parsed.get("value"));
@@ -171,13 +169,13 @@ bool rests(const Control& control) {
 
 std::string no_coarse_start(const Scene& scene) {
   if (!scene.unknowns.empty())
-    return "with tables [[unknown]], allowed is \"guess\"";
+    return "with tables [[unknown]]; set it to \"guess\"";
   if (scene.mesh.file.extension() != ".geo")
-    return "with a .msh, which is meshed already, allowed with a .geo and mesh.size, or \"guess\"";
+    return "with a .msh, which is meshed already; use a .geo and mesh.size, or set it to \"guess\"";
   if (!scene.mesh.size || scene.mesh.automatic())
-    return "without mesh.size, allowed with it, since coarse meshes are multiples of it, or \"guess\"";
+    return "without mesh.size, of which coarse meshes have multiples; give one, or set it to \"guess\"";
   if (std::holds_alternative<DesiredRun>(scene.objective->desired))
-    return "with objective.desired.run, whose motion is known on this mesh alone, allowed is \"guess\"";
+    return "with objective.desired.run, whose motion is known on this mesh alone; set it to \"guess\"";
   return {};
 }
 

@@ -61,7 +61,7 @@ std::string Reader::full(const std::string& key) const {
 void Reader::fail(const std::string& key, const std::string& problem) const {
   const toml::node* found = key.empty() ? nullptr : table_.get(key);
   const toml::node& place = found ? *found : table_;
-  // Neither the root table nor what comes from --set has a line.
+  // Neither the root table nor a value of --set has a line.
   const auto line = !found && path_.empty() ? 0 : place.source().begin.line;
   const std::string file = source_.file.string();
   throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file, line, full(key), problem)
@@ -92,7 +92,7 @@ double Reader::to_number(const toml::node& node, const std::string& key, const L
   const auto value = node.value<double>();
   const bool number = value && node.is_number();
   if (!number || !limits.contain(*value))
-    fail(key, fmt::format("found {}, allowed is a number{} ({}){}", value_text(node), limits.range(),
+    fail(key, fmt::format("found {}; expected a number{} ({}){}", value_text(node), limits.range(),
                           limits.unit.empty() ? "no unit" : limits.unit,
                           !number || std::isfinite(*value) ? "" : " that is finite"));
   return *value;
@@ -105,7 +105,7 @@ double Reader::number(const std::string& key, const Limits& limits) {
 int Reader::integer(const std::string& key, int least, int greatest) {
   const auto value = node(key).as_integer();
   if (!value || value->get() < least || value->get() > greatest)
-    fail(key, fmt::format("found {}, allowed is a whole number from {} to {}", value_text(node(key)), least,
+    fail(key, fmt::format("found {}; expected a whole number from {} to {}", value_text(node(key)), least,
                           greatest));
   return static_cast<int>(value->get());
 }
@@ -113,8 +113,7 @@ int Reader::integer(const std::string& key, int least, int greatest) {
 std::string Reader::text(const std::string& key) {
   const auto value = node(key).as_string();
   if (!value || value->get().empty() || !on_one_line(value->get()))
-    fail(key,
-         fmt::format("found {}, allowed is a text on one line that is not empty", value_text(node(key))));
+    fail(key, fmt::format("found {}; expected a text on one line that is not empty", value_text(node(key))));
   return value->get();
 }
 
@@ -123,7 +122,7 @@ std::filesystem::path Reader::followed(const std::filesystem::path& given, const
   auto path =
       std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
   if (error)
-    fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+    fail(key, fmt::format("found a path that cannot be followed ({}); give another", error.message()));
   return path;
 }
 
@@ -133,7 +132,7 @@ std::size_t Reader::choice(const std::string& key, const std::vector<std::string
   if (found == allowed.end()) {
     if (const std::string refused = refusal(without_numbers(full(key)), value); !refused.empty())
       fail(key, fmt::format("found \"{}\", {}", value, refused));
-    fail(key, fmt::format("found \"{}\"{}, allowed: {}", value, suggestion(value, allowed), list(allowed)));
+    fail(key, fmt::format("found \"{}\"{}; choices: {}", value, suggestion(value, allowed), list(allowed)));
   }
   return static_cast<std::size_t>(found - allowed.begin());
 }
@@ -141,14 +140,14 @@ std::size_t Reader::choice(const std::string& key, const std::vector<std::string
 std::vector<std::size_t> Reader::choices(const std::string& key, const std::vector<std::string>& allowed) {
   const toml::array* array = node(key).as_array();
   if (!array)
-    fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", value_text(node(key)),
+    fail(key, fmt::format("found {}; expected a list out of {}, or [] for none", value_text(node(key)),
                           list(allowed)));
   std::vector<std::size_t> found;
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
     const auto place = std::ranges::find(allowed, name.value_or(""));
     if (place == allowed.end())
-      fail(key, fmt::format("found {}{}, allowed: {}", value_text(entry),
+      fail(key, fmt::format("found {}{}; choices: {}", value_text(entry),
                             name ? suggestion(*name, allowed) : "", list(allowed)));
     const auto number = static_cast<std::size_t>(place - allowed.begin());
     if (std::ranges::find(found, number) == found.end())
@@ -160,7 +159,7 @@ std::vector<std::size_t> Reader::choices(const std::string& key, const std::vect
 std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {
   const toml::array* array = node(key).as_array();
   if (!array || array->size() < 2 || array->size() > 3)
-    fail(key, fmt::format("found {}, allowed is an array of one number per space dimension ({})",
+    fail(key, fmt::format("found {}; expected an array of one number per space dimension ({})",
                           value_text(node(key)), limits.unit.empty() ? "no unit" : limits.unit));
   std::vector<double> values;
   for (const toml::node& entry : *array)
@@ -177,13 +176,13 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
 bool Reader::flag(const std::string& key) {
   const auto* value = node(key).as_boolean();
   if (!value)
-    fail(key, fmt::format("found {}, allowed are true and false", value_text(node(key))));
+    fail(key, fmt::format("found {}; expected true or false", value_text(node(key))));
   return value->get();
 }
 
 namespace {
 
-/// The units of a key's values; none if they have no fixed unit.
+/// Units of a key's values; none if they have no fixed unit.
 std::vector<std::string> units(const std::string& key) {
   const auto line = std::ranges::find(keys(), without_numbers(key), &KeyLine::name);
   return line != keys().end() && unit(line->unit) ? std::vector{line->unit} : std::vector<std::string>();
@@ -193,7 +192,7 @@ std::vector<std::string> units(const std::string& key) {
 
 Expression Reader::series(const toml::table& table, const std::string& key, std::optional<double> end) const {
   if (!end)
-    fail(key, fmt::format("found {}, allowed are expressions of place alone", value_text(table)));
+    fail(key, fmt::format("found {}; expected expressions of place alone", value_text(table)));
   Reader in(table, full(key), source_);
   const std::string column = in.text("column");
   const std::filesystem::path given = in.text("file");
@@ -211,10 +210,9 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
   }();
   constexpr double rounding = 1e-9;
   if (made.begin() > rounding * *end || made.end() < (1 - rounding) * *end)
-    fail(key,
-         fmt::format("{}: found times from {:.6g} to {:.6g} s, allowed are those that cover the run, from 0 "
-                     "to {:.6g} s{}",
-                     given.string(), made.begin(), made.end(), *end, hint));
+    fail(key, fmt::format("{}: found times from {:.6g} to {:.6g} s; expected times that cover the run, from "
+                          "0 to {:.6g} s{}",
+                          given.string(), made.begin(), made.end(), *end, hint));
   return {fmt::format("{{ file = {}, column = {} }}", kind::written(file.string()), kind::written(column)),
           made};
 }
@@ -233,7 +231,7 @@ Components Reader::expressions(const std::string& key, std::optional<double> end
                 "[\"0\", \"0\", {0}] in space",
                 one);
   if (!array || (count > 0 ? array->size() != count : array->size() < 2 || array->size() > 3))
-    fail(key, fmt::format("found {}, allowed is {}", value_text(found), allowed));
+    fail(key, fmt::format("found {}; expected {}", value_text(found), allowed));
   Components components;
   for (const toml::node& entry : *array) {
     if (const auto* string = entry.as_string(); string && on_one_line(string->get()))
@@ -243,7 +241,7 @@ Components Reader::expressions(const std::string& key, std::optional<double> end
     else if (const toml::table* table = entry.as_table())
       components.push_back(series(*table, key, end));
     else
-      fail(key, fmt::format("found {}, allowed is {}", value_text(entry), allowed));
+      fail(key, fmt::format("found {}; expected {}", value_text(entry), allowed));
   }
   require_readable(components, key, end.has_value());
   return components;
@@ -278,7 +276,7 @@ void Reader::require_readable(const Components& components, const std::string& k
 Reader Reader::table(const std::string& key) {
   const toml::table* table = node(key).as_table();
   if (!table)
-    fail(key, fmt::format("found {}, allowed is a table", value_text(node(key))));
+    fail(key, fmt::format("found {}; expected a table", value_text(node(key))));
   return {*table, full(key), source_};
 }
 
@@ -288,7 +286,7 @@ std::vector<Reader> Reader::tables(const std::string& key, bool needed) {
     return readers;
   const toml::array* array = node(key).as_array();
   if (!array || !((array->empty() && !needed) || array->is_homogeneous<toml::table>()))
-    fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", value_text(node(key)), full(key)));
+    fail(key, fmt::format("found {}; expected tables headed [[{}]]", value_text(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);
   return readers;
@@ -313,7 +311,7 @@ void Reader::finish() const {
       continue;
     const std::vector<std::string> names(known_.begin(), known_.end());
     const std::string near = nearest(name, names);
-    fail(name, fmt::format("unknown key{}; allowed here: {}",
+    fail(name, fmt::format("unknown key{}; keys here: {}",
                            near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near), list(names)));
   }
 }

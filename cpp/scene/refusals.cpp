@@ -7,15 +7,15 @@
 namespace signorini::scene {
 namespace {
 
-/// An effect that the model lacks, by the keys with which scenes ask for it.
+/// Effect that the model lacks, with the keys by which scenes request it.
 struct Refusal {
   const char* effect;
-  const char* instead;            ///< what the model has in its place
-  std::vector<std::string> words; ///< of a key's last name or of its value, which separate at _, - and space
-  std::vector<std::string> keys = {}; ///< whole ones
+  const char* instead;                ///< the model's substitute
+  std::vector<std::string> words;     ///< words in a key's last name or value, split at _, - and space
+  std::vector<std::string> keys = {}; ///< whole keys
 };
 
-/// All of them: an effect that is added to the model leaves this table.
+/// Table of all refusals; an effect that is added to the model leaves it.
 const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
       {"friction",
@@ -69,7 +69,7 @@ const std::vector<Refusal>& refusals() {
   return all;
 }
 
-/// The words of a name, in lower case.
+/// Words of a name, in lower case.
 std::vector<std::string> words(std::string_view name) {
   std::vector<std::string> found(1);
   for (const char c : name)

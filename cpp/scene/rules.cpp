@@ -16,34 +16,33 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
   const std::string extension = mesh.file.extension().string();
   const bool meshed = extension == ".msh";
   if (extension != ".geo" && !meshed)
-    in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", in.text("file")));
+    in.fail("file", fmt::format("found \"{}\"; expected a file that ends in .geo or .msh", in.text("file")));
   if (mesh.size && meshed)
-    in.fail("size", "has no effect on a .msh, which is meshed already; allowed with a .geo");
+    in.fail("size", "has no effect on a .msh, which is meshed already; use it with a .geo");
   if (in.has("scale") && (meshed || mesh.size))
-    in.fail("scale", fmt::format("has no effect {}; allowed with a .geo that sets its own sizes",
+    in.fail("scale", fmt::format("has no effect {}; use it with a .geo that sets its own sizes",
                                  mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
 }
 
 namespace {
 
-/// The number of steps to `end`. Fails unless it is a whole one.
+/// Returns the number of steps to `end`. Throws UserError unless it is whole.
 int whole_steps(Reader& in, double end, double step, const std::string& key) {
   const double steps = std::round(end / step);
   if (!(steps >= 1 && steps <= Time::most_steps))
-    in.fail(
-        "step",
-        fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
-                    step, end / step, end, Time::most_steps));
+    in.fail("step",
+            fmt::format(
+                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s; choose 1 to {} steps",
+                step, end / step, end, Time::most_steps));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * step - end) > 1e-9 * end)
     in.fail(key == "time.step" ? "end" : "step",
-            key == "time.step"
-                ? fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
-                              "multiples of {}, such as {:.10g} s",
-                              end, end / step, step, key, steps * step)
-                : fmt::format("found {:.10g} s, of which time.end = {:.10g} s is {:.10g}, allowed are whole "
-                              "parts of it, such as {:.10g} s",
-                              step, end, end / step, end / steps));
+            key == "time.step" ? fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s; choose a "
+                                             "whole multiple of {}, such as {:.10g} s",
+                                             end, end / step, step, key, steps * step)
+                               : fmt::format("found {:.10g} s, but time.end = {:.10g} s is {:.10g} times as "
+                                             "long; choose a whole part of it, such as {:.10g} s",
+                                             step, end, end / step, end / steps));
   return static_cast<int>(steps);
 }
 
@@ -53,20 +52,21 @@ void require_rules(Reader& in, Time& time, const Scene&) {
   if (!time.automatic()) {
     for (const char* key : {"tolerance", "quantity", "longest", "shortest"})
       if (in.has(key))
-        in.fail(key, "has no effect with steps of one length; allowed with time.step = \"auto\"");
+        in.fail(key, "has no effect with steps of one length; use it with time.step = \"auto\"");
   } else {
     const double longest = time.longest.value_or(time.end);
     if (longest > time.end)
       in.fail("longest",
-              fmt::format("found {:.10g} s, allowed is at most time.end = {:.10g} s", longest, time.end));
+              fmt::format("found {:.10g} s; expected at most time.end = {:.10g} s", longest, time.end));
     if (time.shortest.value_or(0) > longest)
-      in.fail("shortest", fmt::format("found {:.10g} s, allowed is at most {} = {:.10g} s", *time.shortest,
+      in.fail("shortest", fmt::format("found {:.10g} s; expected at most {} = {:.10g} s", *time.shortest,
                                       time.longest ? "time.longest" : "time.end", longest));
     if (longest * Time::most_steps < time.end)
-      in.fail("longest",
-              fmt::format("found {:.10g} s, which makes more than {} steps to time.end = {:.10g} s, "
-                          "allowed are longer ones",
-                          longest, Time::most_steps, time.end));
+      in.fail(
+          "longest",
+          fmt::format(
+              "found {:.10g} s, which makes more than {} steps to time.end = {:.10g} s; choose a longer one",
+              longest, Time::most_steps, time.end));
     return;
   }
   time.steps = whole_steps(in, time.end, time.step, "time.step");
@@ -76,22 +76,22 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
   if (in.one_of_several())
     in.require("on");
   else if (material.on)
-    in.fail("on", "has no effect on [material], which is the whole body's; allowed in tables [[material]]");
+    in.fail("on", "has no effect on [material], which is the whole body's; use it in tables [[material]]");
   for (std::size_t i = 0; i + 1 < scene.materials.size(); ++i)
     if (scene.materials[i].on == material.on)
-      in.fail("on", fmt::format("found \"{}\", which material[{}] is on, allowed is another group",
-                                *material.on, i));
+      in.fail("on",
+              fmt::format("found \"{}\", which material[{}] is on; choose another group", *material.on, i));
 }
 
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
   if (obstacle.point.size() == 3) {
     in.require("axis");
     if (obstacle.axis.size() != 3)
-      in.fail("axis", fmt::format("found {} components where point has 3, allowed are as many",
-                                  obstacle.axis.size()));
+      in.fail("axis",
+              fmt::format("found {} components where point has 3; give as many", obstacle.axis.size()));
   } else if (in.has("axis")) {
     in.fail("axis",
-            "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
+            "has no effect in the plane, where a cylinder is a disc; use it with a point of 3 components");
   }
 }
 
@@ -105,35 +105,32 @@ ContactScheme Scene::contact_scheme() const {
 
 void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
-    in.fail("mass",
-            "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
-            "mass; allowed is \"consistent\"");
+    in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm "
+                    "of the mass; set it to \"consistent\"");
 }
 
 void require_rules(Reader& in, Control& control, const Scene& scene) {
   if (control.step && control.constant_in_time)
-    in.fail("step", "has no effect on a control that is constant in time; allowed without constant_in_time");
+    in.fail("step", "has no effect on a control that is constant in time; remove one of the two");
   if (control.step)
     control.intervals = whole_steps(in, scene.time.end, *control.step, "control.step");
   if (!control.lower || !control.upper)
     return;
   const std::vector<double>&lower = *control.lower, &upper = *control.upper;
   if (lower.size() > 1 && upper.size() > 1 && lower.size() != upper.size())
-    in.fail("upper", fmt::format("found {} components where lower has {}, allowed are as many, or one number",
+    in.fail("upper", fmt::format("found {} components where lower has {}; give as many, or one number",
                                  upper.size(), lower.size()));
   for (std::size_t i = 0; i < std::max(lower.size(), upper.size()); ++i) {
     const double least = lower.size() == 1 ? lower.front() : lower[i];
     const double most = upper.size() == 1 ? upper.front() : upper[i];
     if (!(least <= most))
-      in.fail("lower",
-              fmt::format("found {} above control.upper = {}, allowed is at most that", least, most));
+      in.fail("lower", fmt::format("found {}, above control.upper = {}; lower it", least, most));
   }
 }
 
 void require_rules(Reader& in, const Objective& objective, const Scene&) {
   if (objective.tracking == 0 && objective.gamma == 0)
-    in.fail("tracking",
-            "found 0 where gamma is 0 too, allowed is one of them above: nothing would be desired");
+    in.fail("tracking", "found 0 where gamma is 0 too; set at least one of them");
 }
 
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene) {
@@ -146,33 +143,33 @@ void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene) {
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
   if (in.has("budget") && trajectory.storage != Storage::checkpoints)
     in.fail("budget",
-            fmt::format("has no effect with storage = \"{}\", which keeps every state; allowed with "
-                        "\"checkpoints\"",
-                        name(trajectory.storage)));
+            fmt::format(
+                "has no effect with storage = \"{}\", which keeps every state; use it with \"checkpoints\"",
+                name(trajectory.storage)));
 }
 
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
                         const char* table) {
   const std::string name = in.has("name") ? in.text("name") : otherwise;
   if (name.find_first_of(",\"") != std::string::npos)
-    in.fail(
-        "name",
-        fmt::format("found '{}', allowed is a text without commas and quotes: it stands in tables", name));
+    in.fail("name",
+            fmt::format("found '{}'; expected a text without commas and quotes, since it stands in tables",
+                        name));
   if (const auto other = std::ranges::find(others, name); other != others.end())
-    in.fail("name", fmt::format("found \"{}\", which {}[{}] has too, allowed is another", name, table,
+    in.fail("name", fmt::format("found \"{}\", which {}[{}] has too; choose another", name, table,
                                 other - others.begin()));
   return name;
 }
 
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene) {
   if (scene.contacts.empty())
-    in.fail("obstacle", "has no meaning without contact; allowed with a table [contact]");
+    in.fail("obstacle", "has no meaning without contact; add a table [contact]");
   std::vector<std::string> names;
   for (const Contact& contact : scene.contacts)
     names.push_back(contact.name);
   if (std::ranges::find(names, obstacle) == names.end())
     in.fail("obstacle",
-            fmt::format("found \"{}\"{}, allowed: {}", obstacle, suggestion(obstacle, names), list(names)));
+            fmt::format("found \"{}\"{}; choices: {}", obstacle, suggestion(obstacle, names), list(names)));
 }
 
 std::string obstacle_name(Reader& in, const Scene& scene) {
@@ -189,30 +186,29 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene) {
   if (found.empty())
     in.finish(); // reports a misspelt key, the likeliest reason
   if (found.size() != 1)
-    in.fail("", fmt::format("found {}, allowed is one of point, on, obstacle, body",
+    in.fail("", fmt::format("found {}; give one of point, on, obstacle, body",
                             found.empty() ? "none of them" : list(found)));
   if (probe.body && !*probe.body)
-    in.fail("body", "found false, allowed is true, or no table [[output.probe]]");
+    in.fail("body", "found false; set it to true, or remove the table");
   if (probe.obstacle)
     require_obstacle(in, *probe.obstacle, scene);
 }
 
 void require_rules(Reader& in, const Output& output, const Scene& scene) {
   if (output.field(StoredField::pressure) && scene.contacts.empty())
-    in.fail("fields",
-            "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");
+    in.fail("fields", "found \"pressure\", which has no meaning without contact; add a table [contact]");
 }
 
 void require_rules(Reader& in, const Exact&, const Scene& scene) {
   for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
     if (in.has(key) && scene.contacts.empty())
-      in.fail(key, "has no meaning without contact; allowed with a table [contact]");
+      in.fail(key, "has no meaning without contact; add a table [contact]");
 }
 
 namespace {
 
-/// Where a search starts of itself. Where the user has a control from an earlier run, that is better than
-/// what coarse meshes find; gradient steps are those of the paper from its first guess.
+/// Default start of a search. A control from an earlier run is better than one from coarse meshes; gradient
+/// steps are those of the paper, from its first guess.
 SearchStart usual_start(const Scene& scene) {
   return no_coarse_start(scene).empty() && !scene.control->stored &&
                  scene.optimizer.method != OptimizerMethod::projected_gradient
@@ -231,7 +227,7 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
     constexpr double rounding = 1e-9;
     const double step = *scene.control->step;
     if (scene.time.longest.value_or(0) > (1 + rounding) * step)
-      in.fail("time.longest", fmt::format("found {:.10g} s, allowed is at most control.step = {:.10g} s",
+      in.fail("time.longest", fmt::format("found {:.10g} s; expected at most control.step = {:.10g} s",
                                           *scene.time.longest, step));
     if (!scene.time.longest)
       scene.time.longest = std::min(step, scene.time.end / Time::usual_longest);
@@ -253,9 +249,8 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("optimizer"))
     in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
   if (in.has("trajectory"))
-    in.fail("trajectory",
-            "has no effect without an objective, since nothing is looked at again; add [control] and "
-            "[objective] or leave it out");
+    in.fail("trajectory", "has no effect without an objective, since no adjoint sweep needs the states; add "
+                          "[control] and [objective], or remove it");
 }
 
 namespace {
@@ -267,7 +262,7 @@ public:
 
   void vector(std::size_t size, const std::string& key, bool one_allowed = false) const {
     if (size != static_cast<std::size_t>(dim_) && !(one_allowed && size == 1))
-      throw UserError(fmt::format("{}: found {} components, allowed are {}: the mesh is {}-dimensional",
+      throw UserError(fmt::format("{}: found {} components; expected {}, since the mesh is {}-dimensional",
                                   where(key), size, dim_, dim_));
   }
   template <class V>
@@ -280,15 +275,15 @@ public:
     allowed.resize(static_cast<std::size_t>(dim_));
     for (Component component : given.value_or(components(dim_)))
       if (static_cast<int>(component) >= dim_)
-        throw UserError(fmt::format("{}: found \"{}\", allowed: {}: the mesh is {}-dimensional", where(key),
-                                    name(component), list(allowed), dim_));
+        throw UserError(fmt::format("{}: found \"{}\"; choices: {}, since the mesh is {}-dimensional",
+                                    where(key), name(component), list(allowed), dim_));
   }
-  /// The axis about which an angle turns: in the plane there is only one.
+  /// Checks the axis about which an angle turns: in the plane there is only one.
   void axis(const std::optional<Component>& given, const std::string& key) const {
     if (given.has_value() == (dim_ == 2))
-      throw UserError(fmt::format("{}: found {}, allowed {}: the mesh is {}-dimensional", where(key),
+      throw UserError(fmt::format("{}: found {}; expected {}, since the mesh is {}-dimensional", where(key),
                                   given ? name(*given) : "none",
-                                  dim_ == 2 ? "is none, the angle is in the plane" : "is an axis", dim_));
+                                  dim_ == 2 ? "none (the angle is in the plane)" : "an axis", dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
     std::visit(Overloads{[&](const HalfSpace& plane) {
@@ -302,7 +297,7 @@ public:
   }
 
 private:
-  /// The key behind what gave it: --set, or the file.
+  /// Key preceded by its origin: --set, or the file.
   [[nodiscard]] std::string where(const std::string& key) const {
     const std::string plain = without_numbers(key);
     const auto gave = [&](const std::string& set) { return plain == set || plain.starts_with(set + "."); };

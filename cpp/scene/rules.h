@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-/// What a table must hold that no key of it says alone. Each throws UserError; `scene` is what has been read
-/// so far.
+/// Rules for tables that involve several keys or tables. Each function throws UserError; `scene` is the part
+/// read so far.
 namespace signorini::scene {
 
 void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
-/// Sets the number of steps.
+/// Checks the steps and sets their number.
 void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
@@ -19,19 +19,19 @@ void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
-/// Sets name, start, bounds and scale that are not given.
+/// Sets name, start and scale that are not given.
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene);
 /// Sets a name that is not given.
 void require_rules(Reader& in, Measurement& measurement, const Scene& scene);
 void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
-/// Sets where a search starts if that is not given.
+/// Checks rules between tables and sets defaults: start and tolerance of a search, the longest step.
 void require_rules(Reader& in, Scene& read, const Scene& scene);
-/// The name of one of several things, for columns and rows of tables: `otherwise` where its table gives none.
-/// `others`: the names of those before it; `table`: the key of their tables.
+/// Reads the name of one of several things, for columns and rows of tables; `otherwise` where its table gives
+/// none. `others`: names of those before it; `table`: key of their tables.
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
                         const char* table);
-/// The name of the last of `all`.
+/// Reads the name of the last of `all`.
 template <class T>
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<T>& all,
                         const char* table) {
@@ -42,12 +42,12 @@ std::string unique_name(Reader& in, const std::string& otherwise, const std::vec
 }
 /// Throws UserError unless the scene has an obstacle of that name, under the key `obstacle`.
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
-/// What unknowns ask of the rest of a scene; sets the method that seeks them.
+/// Checks the rest of a scene against its unknowns; sets the method that seeks them.
 void require_fit_rules(Reader& in, Scene& scene);
-/// The name of the obstacle whose table is read, the last of the scene's so far; a default one where none is
-/// given.
+/// Reads the name of the obstacle whose table is read, the last of the scene's so far; a default one where
+/// none is given.
 std::string obstacle_name(Reader& in, const Scene& scene);
-/// Other tables.
+/// Accepts any other table.
 template <class T>
 void require_rules(Reader&, const T&, const Scene&) {}
 

@@ -19,9 +19,9 @@ namespace signorini::scene {
 
 /// An expression of x, y, z (m) and t (s), or a time series in its place.
 struct Expression {
-  std::string text;                         ///< of a time series the table in TOML that names it
+  std::string text;                         ///< expression, or TOML table that names the time series
   std::shared_ptr<const TimeSeries> series; ///< null: an expression
-  double factor = 1, shift = 0;             ///< the value is factor · (text or series) + shift; of no file
+  double factor = 1, shift = 0;             ///< value: factor · (text or series) + shift; not in files
 
   Expression(std::string expression) : text(std::move(expression)) {}
   Expression(const char* expression) : text(expression) {}
@@ -49,12 +49,12 @@ struct Mesh {
   std::optional<double>
       size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
   double scale = 1; ///< factor of these sizes
-  LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
+  LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement
-  /// Of studies, and no key: a .geo with the same body, whose sizes vary with the error.
+  /// A .geo with the same body, whose sizes vary with the error; set by studies, not by a key.
   std::filesystem::path graded{};
 
-  /// Whether sizes are chosen where they matter (--accuracy).
+  /// Whether sizes are chosen by the error (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }
   /// Whether the file is a mesh already, a .msh.
   [[nodiscard]] bool meshed() const { return file.extension() == ".msh"; }
@@ -63,15 +63,15 @@ struct Mesh {
 /// Table [time]: N steps of length τ, docs/method.md section 2, or steps of varying length, section 11.
 struct Time {
   double end = 0;  ///< s
-  double step = 0; ///< s; 0: "auto", of varying length
+  double step = 0; ///< s; 0: "auto", varying
   int steps = 0;   ///< end / step; 0 if that varies
   TimeScheme scheme = TimeScheme::contact_implicit;
-  double tolerance = 1e-3; ///< error that steps of varying length may leave, relative
-  StepQuantity quantity = StepQuantity::displacement; ///< of what
+  double tolerance = 1e-3;                            ///< relative error allowed to steps of varying length
+  StepQuantity quantity = StepQuantity::displacement; ///< quantity of that error
   std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
 
   static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
-  static constexpr int usual_longest = 8;        ///< longest steps to the end, where `longest` is not given
+  static constexpr int usual_longest = 8;        ///< longest steps to the end if `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
   [[nodiscard]] bool automatic() const { return step == 0; }
@@ -96,29 +96,29 @@ struct Material {
 /// One table [[clamp]].
 struct Clamp {
   std::string on;                                   ///< physical group
-  std::optional<std::vector<Component>> components; ///< those held; absent: all
-  std::optional<Components> value; ///< motion of each component held, m, of x, y, z, t; absent: at rest
+  std::optional<std::vector<Component>> components; ///< clamped components; absent: all
+  std::optional<Components> value; ///< motion of each clamped component, m, of x, y, z, t; absent: rest
 };
 
-/// Obstacle on one side of a plane, which may move.
+/// Obstacle on one side of a plane; may move.
 struct HalfSpace {
   Components point;           ///< a point of its boundary, m, as a function of t
-  std::vector<double> normal; ///< out of the obstacle, any length but zero
+  std::vector<double> normal; ///< normal out of the obstacle, of any length but zero
 };
 
-/// Obstacle inside of a ball, or outside, which may move.
+/// Obstacle that is a ball, or all outside of one; may move.
 struct Ball {
   Components center;         ///< m, of t
   Expression radius = 0.0;   ///< m, of t
-  Side side = Side::outside; ///< where the body is
+  Side side = Side::outside; ///< side of the body
 };
 
-/// Obstacle inside of an infinite cylinder, or outside, which may move.
+/// Obstacle that is an infinite cylinder, or all outside of one; may move.
 struct Cylinder {
   Components point;          ///< a point of the axis, m, of t
   std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
   Expression radius = 0.0;   ///< m, of t
-  Side side = Side::outside; ///< as for a ball
+  Side side = Side::outside; ///< side of the body
 };
 
 /// Obstacle given by a level set.
@@ -132,7 +132,7 @@ using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
-  std::string name; ///< of the obstacle, in tables; no two have the same
+  std::string name; ///< name of the obstacle in tables, unique
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
 
@@ -158,7 +158,7 @@ struct Initial {
   std::optional<Components> velocity;     ///< m/s, of x, y, z
 };
 
-/// A control that an earlier run left.
+/// Control stored by an earlier run.
 struct StoredControl {
   std::filesystem::path folder; ///< output folder of that run, absolute
 };
@@ -167,15 +167,15 @@ struct StoredControl {
 struct Control {
   double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² where it acts on a surface
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
-  std::optional<std::vector<Component>> components; ///< those that act; absent: all
+  std::optional<std::vector<Component>> components; ///< acting components; absent: all
   bool constant_in_time = false;
-  std::optional<double> step; ///< s, length of the intervals on which it is constant; absent: the time steps
+  std::optional<double> step; ///< length of the intervals of constant control, s; absent: the time steps
   int intervals = 0;          ///< time.end / step
   ControlValues space = ControlValues::nodal;
   std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: `stored`, else zero
   std::optional<StoredControl> stored;      ///< first guess, in place of `initial`
   std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
-  std::optional<std::vector<double>> upper; ///< likewise
+  std::optional<std::vector<double>> upper; ///< upper bound, one or one per component; absent: none
 };
 
 /// Desired state y_d given by a control.
@@ -201,8 +201,8 @@ struct Objective {
   double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
-/// What is known of an unknown before anything is measured: a normal distribution, on a logarithmic scale of
-/// the logarithm, whose deviation is then relative.
+/// Prior distribution of an unknown: normal. On a logarithmic scale it is that of the logarithm, and the
+/// deviation is relative.
 struct Prior {
   double mean = 0, deviation = 0;
 };
@@ -212,8 +212,8 @@ struct Unknown {
   Parameter of = Parameter::young;
   std::optional<std::string> on;       ///< group of a material or traction, where the scene has several
   std::optional<std::string> obstacle; ///< name of an obstacle, where the scene has several
-  std::optional<Component> component;  ///< of an initial field or a centre; axis of an angle in space
-  std::string name;                    ///< in tables; no two have the same
+  std::optional<Component> component;  ///< component of a field or centre; axis of an angle in space
+  std::string name;                    ///< name in tables, unique
   double start = 0;
   std::optional<double> lower, upper;
   ParameterScale scale = ParameterScale::linear;
@@ -222,21 +222,21 @@ struct Unknown {
   [[nodiscard]] bool logarithmic() const { return scale == ParameterScale::logarithmic; }
 };
 
-/// One table [[measurement]]: what is known of the motion; docs/method.md section 10.
+/// One table [[measurement]]: data about the motion; docs/method.md section 10.
 struct Measurement {
   Quantity of = Quantity::displacement;
-  std::string name;                          ///< in tables; no two have the same
-  std::optional<std::vector<double>> point;  ///< of the undeformed body, m
-  std::optional<std::string> on;             ///< in place of a point: mean over this physical group
-  std::optional<std::string> obstacle;       ///< of a force; absent: all obstacles together
+  std::string name;                          ///< name in tables, unique
+  std::optional<std::vector<double>> point;  ///< point of the undeformed body, m
+  std::optional<std::string> on;             ///< physical group of a mean, in place of a point
+  std::optional<std::string> obstacle;       ///< obstacle of a force; absent: all together
   std::optional<Component> component;        ///< set for every quantity that is fitted
   std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; set where it is fitted
   std::string column = "value";
-  std::optional<double> value;     ///< of a figure of the whole contact, s or N
-  std::optional<double> deviation; ///< standard; absent: the file's column "deviation" tells it
-  std::optional<double> noise;     ///< likewise, relative to the largest value
+  std::optional<double> value;     ///< value of a figure of the whole contact, s or N
+  std::optional<double> deviation; ///< standard deviation; absent: the file's column "deviation"
+  std::optional<double> noise;     ///< standard deviation relative to the largest value
 
-  /// Whether the misfit counts in J; figures of the whole contact are compared alone.
+  /// Whether the misfit counts in J; figures of the whole contact are only compared.
   [[nodiscard]] bool fitted() const { return of < Quantity::contact_start; }
 };
 
@@ -247,11 +247,11 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  /// The tolerance of the gradient's norm, relative to the first guess's; of a fit's decrement. Set where
+  /// Tolerance of the gradient's norm, relative to the first guess's; for a fit, of its decrement. Set where
   /// there is a search.
   std::optional<double> tolerance;
   int checkpoint = 10; ///< iterations between checkpoints; 0: none
-  double memory = 0;   ///< of the controls that a method stores, bytes; 0: the usual
+  double memory = 0;   ///< limit for the controls that a method stores, bytes; 0: the default
 };
 
 /// Table [solver]; docs/method.md section 5.
@@ -261,7 +261,7 @@ struct Solver {
   double memory = 0; ///< limit for the factor of D and the dense matrices of contact in all, bytes
 };
 
-/// Table [trajectory]: how the states of a motion are stored for the adjoint sweep.
+/// Table [trajectory]: storage of a motion's states for the adjoint sweep.
 struct Trajectory {
   Storage storage = Storage::memory;
   double budget = 1e9; ///< memory of all checkpoints, bytes
@@ -269,13 +269,13 @@ struct Trajectory {
 
 /// Table [check].
 struct Check {
-  std::optional<Components> control; ///< at which `check` takes derivatives, of x, y, z, t
+  std::optional<Components> control; ///< control at which `check` takes derivatives, of x, y, z, t
 };
 
-/// Table [run]: the identities watched in every run; docs/method.md section 2.
+/// Table [run]: the identities checked in every run; docs/method.md section 2.
 struct Run {
   OnViolation invariants = OnViolation::warn;
-  double tolerance = 1e-10; ///< relative, beyond which an identity is violated
+  double tolerance = 1e-10; ///< relative residual beyond which an identity is violated
 
   [[nodiscard]] bool watched() const { return invariants != OnViolation::off; }
 };
@@ -285,42 +285,43 @@ struct Exact {
   std::optional<Components> displacement; ///< m, of x, y, z, t
   std::optional<std::string> pressure;    ///< N/m² on the contact surface at time.end, of x, y, z
   std::optional<double> impulse;          ///< modulus of the total impulse of contact forces, N s (2D: N s/m)
-  std::optional<double> peak_force;       ///< largest modulus of their resultant, N (2D: N/m)
+  std::optional<double> peak_force;       ///< largest modulus of the resultant of these, N (2D: N/m)
   std::optional<double> contact_start;    ///< time of first contact, s
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
-/// One table [[output.probe]]: what is followed over time, by exactly one of the members after the name.
+/// One table [[output.probe]]: a place or body to follow over time, by exactly one of the members after the
+/// name.
 struct Probe {
-  std::string name;                         ///< of its columns; no two have the same
-  std::optional<std::vector<double>> point; ///< of the undeformed body, m
+  std::string name;                         ///< name of its columns, unique
+  std::optional<std::vector<double>> point; ///< point of the undeformed body, m
   std::optional<std::string> on;            ///< physical group of a part of the body or of a surface
   std::optional<std::string> obstacle;      ///< name of an obstacle
-  std::optional<bool> body;                 ///< true
+  std::optional<bool> body;                 ///< true: the whole body
 };
 
 /// Table [output].
 struct Output {
-  int every = 0; ///< steps between stored fields; 0: of steps of varying length, most_frames at most
+  int every = 0; ///< steps between stored fields; 0: with varying steps, most_frames at most
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
-                                  StoredField::adjoint}; ///< stored where a run has them
+                                  StoredField::adjoint}; ///< fields to store where a run has them
   std::vector<StoredTable> tables{StoredTable::steps,       StoredTable::contact, StoredTable::obstacles,
                                   StoredTable::probes,      StoredTable::history, StoredTable::parameters,
-                                  StoredTable::measurements}; ///< likewise
+                                  StoredTable::measurements}; ///< tables to write where a run has them
   std::vector<Probe> probes;
 
-  static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
-  /// The least of 1, 2, 5, 10, 20, … that makes of so many steps no more than most_frames.
+  static constexpr int most_frames = 300; ///< most stored times after the first if `every` is not given
+  /// Least of 1, 2, 5, 10, 20, … that stores no more than most_frames of so many steps.
   [[nodiscard]] static int automatic(int steps);
 
   [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
   [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }
 };
 
-/// All tables of a scene file.
+/// Tables of a scene file.
 struct Scene {
   std::filesystem::path file; ///< absolute
-  std::string name;           ///< of the file, without its extension
+  std::string name;           ///< name of the file without its extension
   Mesh mesh;
   Time time;
   std::vector<Material> materials; ///< at least one
@@ -339,7 +340,7 @@ struct Scene {
   std::optional<Exact> exact;
   Run run;
   Output output;
-  std::string digest_of_series;   ///< of the files of its time series; empty without any
+  std::string digest_of_series;   ///< digest of the files of its time series; empty without any
   std::vector<std::string> given; ///< keys of --set, without the numbers of tables
 
   [[nodiscard]] ContactScheme contact_scheme() const;
@@ -348,18 +349,18 @@ struct Scene {
 /// Returns the text of a scene file. Throws UserError if it cannot be read.
 std::string read(const std::filesystem::path& file);
 
-/// Parses and validates the text of a scene file; `overrides` are the texts `key.path=value` of --set, `open`
+/// Parses and validates the text of a scene file. `overrides`: the texts `key.path=value` of --set; `open`:
 /// reads the files of time series. Throws UserError naming file, line, key, what was found and what is
-/// allowed.
+/// expected.
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<std::string>& overrides = {}, const ReadFile& open = read_file);
 
 /// Name of a contact table in messages: `contact`, or `contact[i]` if there are several.
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
-/// Likewise for clamps.
+/// Name of a clamp table in messages: `clamp`, or `clamp[i]` if there are several.
 std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
 
-/// The components of a vector.
+/// Components of a vector of `dim` dimensions.
 std::vector<Component> components(int dim);
 
 /// Whether every component is written as 0 or 0.0, which has no effect.
@@ -372,16 +373,16 @@ bool moves(const Obstacle& obstacle);
 /// bounds.
 bool rests(const Control& control);
 
-/// Why a search of this scene cannot start on coarser meshes, in words that end "…, allowed is …"; empty if
-/// it can.
+/// Reason why a search of this scene cannot start on coarser meshes, and the remedy, as the end of a message;
+/// empty if it can.
 std::string no_coarse_start(const Scene& scene);
 
-/// The name of an unknown's or measurement's table in messages.
+/// Name of an unknown's or measurement's table in messages.
 std::string unknown_key(std::size_t i);
 std::string measurement_key(std::size_t i);
 
-/// The scene with another element size, m (without mesh.size: another scale of the .geo's own), and another
-/// number of steps to time.end.
+/// Returns the scene with another element size, m (without mesh.size: another scale of the .geo's own), and
+/// another number of steps to time.end.
 Scene resized(Scene scene, double size, int steps);
 
 /// Throws UserError unless every vector of the scene has `dim` components and names no others.

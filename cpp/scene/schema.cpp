@@ -144,7 +144,7 @@ std::vector<std::vector<Entry>> entries_of(const std::variant<Shapes...>*) {
 
 static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
 
-/// The table of one shape of obstacle.
+/// Makes the key with the table of an obstacle of any shape.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
   const KeyInfo said{
@@ -217,18 +217,16 @@ Keys<Initial> keys_of(Of<Initial>) {
 }
 
 Keys<StoredControl> keys_of(Of<StoredControl>) {
-  return {required(
-      "run", &StoredControl::folder, Path{}, "",
-      "in place of expressions: the folder of an earlier `optimize`, relative to the scene file, of the same "
-      "body in the same place, with the same `control.scale`, `control.on` and no other components, on any "
-      "mesh "
-      "with any steps; interpolated where they are others",
-      {.part = Part::none})};
+  return {required("run", &StoredControl::folder, Path{}, "",
+                   "in place of expressions: the folder of an earlier `optimize`, relative to the scene "
+                   "file. Body, place, `control.scale` and `control.on` must be the same, its components "
+                   "among this scene's; other meshes and steps are interpolated",
+                   {.part = Part::none})};
 }
 
 namespace {
 
-/// The first guess: expressions, or the table that names a run; two keys of one name.
+/// Makes the two keys `initial` of the first guess: expressions, or the table that names a run.
 std::array<Key<Control>, 2> first_guess() {
   Key<Control> given =
       value("initial", &Control::initial, ControlField{}, "",
@@ -261,8 +259,8 @@ Keys<Control> keys_of(Of<Control>) {
       acting<Control>("those that act"),
       value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
       value("step", &Control::step, Number{above_zero}, "s",
-            "length of the intervals on which the control is constant, of which `time.end` is a whole "
-            "multiple; a time step takes the mean over its duration",
+            "length of the intervals on which the control is constant, a whole part of `time.end`; a time "
+            "step takes the mean over its duration",
             {.otherwise = "the time steps"}),
       value("space", &Control::space, Choice<ControlValues>{}, "",
             "values at the displacement's own nodes, of degree 2 midpoints of edges too, or in the cells"),
@@ -285,16 +283,16 @@ Keys<DesiredDisplacement> keys_of(Of<DesiredDisplacement>) {
 }
 
 Keys<DesiredRun> keys_of(Of<DesiredRun>) {
-  return {required(
-      "run", &DesiredRun::folder, Path{}, "",
-      "in place of `control`: the folder of an earlier run, relative to the scene file, that stored its "
-      "displacement (degree 1, the same mesh, any number of ranks); linear between its stored times",
-      {.part = Part::none})};
+  return {
+      required("run", &DesiredRun::folder, Path{}, "",
+               "in place of `control`: the folder of an earlier run with a stored displacement, relative to "
+               "the scene file. Degree 1, the same mesh, any number of ranks; interpolated linearly in time",
+               {.part = Part::none})};
 }
 
 namespace {
 
-/// The table of the desired motion, whose only key tells what kind it is of.
+/// Makes the key with the table of the desired motion, whose only key is its kind.
 Key<Objective> desired() {
   Key<Objective> key{{"desired",
                       {.required = true},
@@ -315,7 +313,7 @@ Key<Objective> desired() {
     if (found.empty())
       table.finish(); // reports a misspelt key, the likeliest reason
     if (found.size() != 1)
-      in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
+      in.fail("desired", fmt::format("found {}; give one of control, displacement, run",
                                      found.empty() ? "none" : list(found)));
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.desired);
   };
@@ -348,12 +346,11 @@ Keys<Prior> keys_of(Of<Prior>) {
 
 Keys<Unknown> keys_of(Of<Unknown>) {
   return {
-      required(
-          "of", &Unknown::of, Choice<Parameter>{}, "",
-          "what is sought, in a table `[[unknown]]`: of a material; of the initial fields, a component's "
-          "value in all of the body or, without `component`, a factor; of an obstacle, a plane's shift "
-          "along its normal (m) and angle (rad), a ball's or cylinder's `center` and `radius`; a factor "
-          "of a load"),
+      required("of", &Unknown::of, Choice<Parameter>{}, "",
+               "what is sought, in a table `[[unknown]]`. Of a material: a modulus or the density. Of the "
+               "initial fields: a component's value in the whole body or, without `component`, a factor. Of "
+               "an obstacle: a plane's shift along its normal (m) and angle (rad), a ball's or cylinder's "
+               "`center` and `radius`. Of a load: a factor"),
       value("name", &Unknown::name, Text{"text"}, "", "in tables",
             {.otherwise = "by `of`, such as `\"young\"`"}),
       value("on", &Unknown::on, Text{}, "", "whose material or traction, where there are several",
@@ -378,10 +375,9 @@ Keys<Measurement> keys_of(Of<Measurement>) {
   return {
       required(
           "of", &Measurement::of, Choice<Quantity>{}, "",
-          "in a table `[[measurement]]`: of a point or group; of what an obstacle does to the body, its "
-          "resultant force (with the contact-implicit scheme the mean of two steps) and impulse so far; "
-          "contact times, the time from 1 to 99 % of the impulse and the sustained peak are compared, not "
-          "fitted"),
+          "in a table `[[measurement]]`: motion of a point or group; an obstacle's resultant force or "
+          "impulse so far. With the contact-implicit scheme the force is the mean of two steps. Contact "
+          "times, the time from 1 to 99 % of the impulse and the sustained peak are compared, not fitted"),
       value("name", &Measurement::name, Text{"text"}, "", "in tables",
             {.otherwise = "by order, `\"measurement 1\"` …"}),
       value("point", &Measurement::point, Numbers{}, "m", "of the undeformed body", {.otherwise = "none"}),
@@ -392,9 +388,8 @@ Keys<Measurement> keys_of(Of<Measurement>) {
       value("component", &Measurement::component, Choice<Component>{}, "", "of the quantity",
             {.otherwise = "required where fitted"}),
       value("file", &Measurement::file, Path{}, "",
-            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it; "
-            "names of columns "
-            "may end with units, as `time [ms]`",
+            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it. "
+            "Names of columns may end with units, as `time [ms]`",
             {.otherwise = "required where fitted", .part = Part::none}),
       value("column", &Measurement::column, Text{"text"}, "", "of the values in the file"),
       value("value", &Measurement::value, Number{above_zero}, "s or N", "of what is compared",
@@ -413,12 +408,11 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
   return {
       value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
             {.part = Part::search}),
-      value(
-          "start", &Optimizer::start, Choice<SearchStart>{}, "",
-          "`\"coarse\"`: the search begins on meshes of 4 and 2 times `mesh.size`, with steps as many times "
-          "as long, and goes on from there; `\"guess\"`: at `control.initial` (see From coarse to fine)",
-          {.otherwise = "`\"coarse\"` for a .geo with `mesh.size`; `\"guess\"` with a .msh, "
-                        "`control.initial.run`, `objective.desired.run` or `\"projected-gradient\"`"}),
+      value("start", &Optimizer::start, Choice<SearchStart>{}, "",
+            "`\"coarse\"`: the search begins on meshes of 4 and 2 times `mesh.size`, with steps as many "
+            "times as long; `\"guess\"`: at `control.initial` (see From coarse to fine)",
+            {.otherwise = "`\"coarse\"` for a .geo with `mesh.size`; `\"guess\"` with a .msh, "
+                          "`control.initial.run`, `objective.desired.run` or `\"projected-gradient\"`"}),
       value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
             "0: the first guess alone"),
       value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}}, "",
@@ -435,9 +429,9 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {
   return {value("storage", &Trajectory::storage, Choice<Storage>{}, "",
-                "where the states of a motion wait for the adjoint sweep: `\"disk\"`: in a file without a "
-                "name in `$TMPDIR`, else `/var/tmp`; `\"checkpoints\"`: a few in memory, from which the "
-                "others are made again. The gradients are the same (see Long runs)"),
+                "where the states of a motion are stored for the adjoint sweep. `\"disk\"`: in a file "
+                "without a name in `$TMPDIR`, else `/var/tmp`. `\"checkpoints\"`: a few in memory, from "
+                "which the others are recomputed. The gradients are the same (see Long runs)"),
           value("budget", &Trajectory::budget, Number{above_zero}, "bytes",
                 "of all checkpoints, on all ranks; a computed desired motion (`objective.desired.control`) "
                 "has half of them",
@@ -484,7 +478,7 @@ Keys<Run> keys_of(Of<Run>) {
                 "where the energy or momentum law or the contact condition is off: say so at the end, or "
                 "stop there, or do not look"),
           value("tolerance", &Run::tolerance, Number{{.least = 0, .greatest = 1, .open = true}}, "",
-                "of these and of those that `check` looks at, relative")};
+                "of these and of those that `check` evaluates, relative")};
 }
 
 Keys<Probe> keys_of(Of<Probe>) {

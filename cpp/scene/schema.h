@@ -6,28 +6,28 @@
 #include <functional>
 #include <type_traits>
 
-/// How the table of all keys, schema.cpp, is made into what reads, writes and explains a scene.
+/// Table of all keys (schema.cpp), by which scenes are read, written and explained.
 namespace signorini::scene::schema {
 
 using kind::Json;
 
-/// What is said of a key besides its place and the kind of its value.
+/// Properties of a key besides its place and the kind of its value.
 struct KeyInfo {
   bool required = false;
-  std::string unit{};        ///< stands behind the value in scene.toml
-  std::string meaning{};     ///< in Markdown
-  std::string otherwise{};   ///< what holds without it, where that is no value
-  const char* effect = "";   ///< that it is part of; keys of a table without one have the table's
-  Part part = Part::problem; ///< likewise
+  std::string unit{};        ///< unit, behind the value in scene.toml
+  std::string meaning{};     ///< explanation, in Markdown
+  std::string otherwise{};   ///< default where that is no value, in words
+  const char* effect = "";   ///< effect of the key; if empty, that of its table
+  Part part = Part::problem; ///< part that the key affects; if the problem, that of its table
 };
 
-/// A key, whatever table it is in.
+/// Key of any table.
 struct Entry {
   std::string name;
   KeyInfo said;
-  std::string words, fallback; ///< what its value may be, what it is by default
+  std::string words, fallback; ///< admissible values, default
   Json json;
-  std::vector<Entry> children; ///< the keys of a table
+  std::vector<Entry> children; ///< keys of a table
 };
 
 /// A value in TOML with its unit; an empty text: it is not written.
@@ -35,7 +35,8 @@ struct Written {
   std::string text{}, unit{};
 };
 
-/// A key of the table T: how it is read, and written on a line or under a heading, given text and path.
+/// Key of the table T. read: reads it; line: writes it on a line; section: writes it under a heading, given
+/// text and path.
 template <class T>
 struct Key : Entry {
   std::function<void(Reader&, T&, const Scene&)> read{};
@@ -47,7 +48,7 @@ using Keys = std::vector<Key<T>>;
 template <class T>
 using Predicate = std::type_identity_t<bool (*)(const T&)>;
 
-/// The keys of a table, by an overload of keys_of() for each.
+/// Tag of a table; an overload of keys_of() for each returns its keys.
 template <class T>
 struct Of {};
 template <class T>
@@ -56,7 +57,7 @@ const Keys<T>& table() {
   return keys;
 }
 
-/// The keys of any of the tables.
+/// Keys of all these tables in one list.
 template <class... T>
 std::vector<Entry> entries() {
   std::vector<Entry> all;
@@ -71,14 +72,14 @@ template <class T>
 void read_keys(Reader& in, T& to, const Scene& scene) {
   for (const Key<T>& key : table<T>())
     (void)in.has(key.name); // none of them is a misspelling of another
-  in.refuse();              // before a key that is missing for the sake of such a one
+  in.refuse();              // first, since a refused key may explain a missing one
   for (const Key<T>& key : table<T>())
     key.read(in, to, scene);
   require_rules(in, to, scene);
   in.finish();
 }
 
-/// The lines of a table, and the tables in it.
+/// Lines of a table and of the tables in it, as TOML.
 template <class T>
 std::string lines(const std::string& path, const T& from) {
   std::string text;
@@ -90,7 +91,7 @@ std::string lines(const std::string& path, const T& from) {
   return text;
 }
 
-/// A table on one line, with the unit of its first key.
+/// Writes a table on one line, with the unit of its first key.
 template <class T>
 Written on_one_line(const T& from, std::string text = {}) {
   for (const Key<T>& key : table<T>())
@@ -112,7 +113,7 @@ struct Content<std::optional<U>> {
   static const U* in(const std::optional<U>& member) { return member ? &*member : nullptr; }
 };
 
-/// A key with a value. `written`: whether it is, for reasons of its own.
+/// Makes a key with a value. `written`: whether to write it; null: always.
 template <class T, class M, class K>
 Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
              KeyInfo said = {}, Predicate<T> written = nullptr) {
@@ -139,7 +140,7 @@ Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", con
   return key;
 }
 
-/// Likewise, one that must be there.
+/// Makes a key with a value that is required.
 template <class T, class M, class K>
 Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
                 KeyInfo said = {}) {
@@ -147,7 +148,7 @@ Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", 
   return value(name, member, kind, unit, meaning, std::move(said));
 }
 
-/// A table, without how it is written.
+/// Makes a key with a table, without its writing.
 template <class T, class M>
 Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
   using U = typename Content<M>::Type;
@@ -161,7 +162,7 @@ Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
   return key;
 }
 
-/// A table on one line.
+/// Makes a key with a table on one line.
 template <class T, class M>
 Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
   Key<T> key = table_in(name, member, said);
@@ -172,7 +173,7 @@ Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
   return key;
 }
 
-/// A table under a heading.
+/// Makes a key with a table under a heading.
 template <class T, class M>
 Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T> written = nullptr) {
   Key<T> key = table_in(name, member, said);
@@ -184,7 +185,7 @@ Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T
   return key;
 }
 
-/// Tables under headings `[[name]]`, or one under `[name]` if that may be and `alone` says so.
+/// Makes a key with tables under headings `[[name]]`, or one under `[name]` if `alone` is given and true.
 template <class T, class U>
 Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& said,
                 Predicate<std::vector<U>> alone = nullptr) {
@@ -205,7 +206,7 @@ Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& sai
   return key;
 }
 
-/// The default of one kind of variant.
+/// Default of the i-th alternative of a variant.
 template <class... A>
 std::variant<A...> alternative(std::size_t i, const std::variant<A...>&) {
   return std::array<std::variant<A...>, sizeof...(A)>{A{}...}[i];
@@ -214,7 +215,7 @@ std::variant<A...> alternative(std::size_t i, const std::variant<A...>&) {
 /// Reads the keys of all tables of a scene, whose file is set.
 void read(Reader& in, Scene& scene);
 std::string write(const Scene& scene);
-/// The tables of a scene.
+/// Entries of all tables of a scene.
 std::vector<Entry> all();
 
 } // namespace signorini::scene::schema

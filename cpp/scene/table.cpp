@@ -41,7 +41,7 @@ void outside_quotes(std::string_view line, Visit&& visit) {
   }
 }
 
-/// The cells of a line without blanks and quotes around them.
+/// Cells of a line without blanks and quotes around them.
 std::vector<std::string_view> cells(std::string_view line, char separator) {
   std::vector<std::string_view> found;
   std::size_t start = 0;
@@ -60,7 +60,7 @@ std::vector<std::string_view> cells(std::string_view line, char separator) {
   return found;
 }
 
-/// The separator that the line of names has, in the order in which others may stand in names.
+/// Separator of the line of names: a tab, else a semicolon, else a comma, since names may contain the latter.
 char separator(std::string_view names) {
   char found = ',';
   outside_quotes(names, [&](char c, std::size_t) {
@@ -94,7 +94,7 @@ void for_each_line(std::string_view text, Visit&& visit) {
   }
 }
 
-/// Throws UserError if a text is in UTF-16, as spreadsheets write it, or no text.
+/// Throws UserError if a text is in UTF-16, as spreadsheets write it, or binary.
 void require_bytes_of_text(std::string_view text) {
   if (text.find('\0') != std::string_view::npos)
     throw UserError("found a zero byte, as in UTF-16 and in binary files; save the table as UTF-8");
@@ -110,9 +110,9 @@ std::optional<double> number(std::string_view text) {
              : std::nullopt;
 }
 
-/// A name of a column as name and unit: "x [mm]" or "x (mm)".
+/// Name of a column, split into name and unit: "x [mm]" or "x (mm)".
 struct Name {
-  std::string_view base, unit; ///< unit: what is in the brackets; without them empty
+  std::string_view base, unit; ///< unit: the text in the brackets; empty without
   bool square = false;
 
   explicit Name(std::string_view whole) : base(whole) {
@@ -133,14 +133,14 @@ bool is_time(std::string_view name) {
 }
 bool is_t(std::string_view name) { return name == "t"; }
 
-/// A column of a table, and SI units in one of its unit.
+/// Column of a table, and SI units per unit of it.
 struct Column {
   std::size_t place = 0;
   double factor = 1;
   bool whole = true; ///< whether it was found by its whole name
 };
 
-/// The only one of the names that `matches`; absent if there is none. Throws UserError if there are several.
+/// Number of the only name that `matches`; absent if there is none. Throws UserError if there are several.
 template <class Matches>
 std::optional<std::size_t> only(const std::vector<std::string_view>& names, Matches&& matches) {
   const auto first = std::ranges::find_if(names, matches);
@@ -153,7 +153,7 @@ std::optional<std::size_t> only(const std::vector<std::string_view>& names, Matc
   return static_cast<std::size_t>(first - names.begin());
 }
 
-/// Throws UserError unless a unit is one of those that are `allowed`, all if there are none.
+/// Throws UserError unless a unit has the dimension of one of those `allowed`; if there are none, any may be.
 void require_unit(std::string_view name, const Unit& found, const std::vector<std::string>& allowed) {
   if (!allowed.empty() && std::ranges::none_of(allowed, [&](const std::string& one) {
         return unit(one).value_or(Unit{}).dimension == found.dimension;
@@ -174,19 +174,18 @@ Column quantity_of(const std::vector<std::string_view>& names, const std::string
   if (!place) {
     const std::vector<std::string> known(names.begin(), names.end());
     throw UserError(
-        fmt::format("found no column \"{}\"{}, allowed: {}", column, suggestion(column, known), list(known)));
+        fmt::format("found no column \"{}\"{}; columns: {}", column, suggestion(column, known), list(known)));
   }
   const std::optional<Unit> found = unit(Name(names[*place]).unit);
   if (!found)
-    throw UserError(
-        fmt::format("found an unknown unit in \"{}\"; units are products of m, g, s, min, h, N and "
-                    "Pa with prefixes, as in [kN] and [m/s^2]; \"{}\" as column is unconverted",
-                    names[*place], names[*place]));
+    throw UserError(fmt::format("found an unknown unit in \"{}\"; units combine m, g, s, min, h, N, Pa and "
+                                "prefixes, as [kN] or [m/s^2] (unconverted: column \"{}\")",
+                                names[*place], names[*place]));
   require_unit(names[*place], *found, units);
   return {*place, found->factor, false};
 }
 
-/// Throws UserError if the line that should have the names of columns has no names, or one of another column.
+/// Throws UserError if the line of column names has numbers alone, or a single name of another column.
 void require_names(const std::vector<std::string_view>& names, const std::string& column, int line) {
   constexpr const char* rule = "names of columns stand in the first line that does not begin with #";
   if (std::ranges::all_of(names, [](std::string_view name) { return number(name).has_value(); }))
@@ -211,9 +210,8 @@ Column times_of(const std::vector<std::string_view>& names) {
   if (parts.unit.empty() || (!parts.square && !found))
     return {.place = place.value_or(0)};
   if (!found || found->dimension != unit("s")->dimension)
-    throw UserError(fmt::format("found times in the unit of \"{}\"; allowed are those of times, as in \"time "
-                                "[ms]\"",
-                                name));
+    throw UserError(
+        fmt::format("found times in the unit of \"{}\"; expected a unit of time, as in \"time [ms]\"", name));
   return {place.value_or(0), found->factor, false};
 }
 
@@ -256,21 +254,21 @@ TableColumn read_column(const std::string& text, const std::string& column,
       const std::string_view cell = i < row.size() ? row[i] : std::string_view();
       const std::optional<double> value = number(cell);
       if (!value)
-        throw UserError(fmt::format("line {}: found \"{}\" in column {}, allowed is a number with a decimal "
-                                    "point",
-                                    number_of_line, cell.substr(0, shown), i + 1));
+        throw UserError(
+            fmt::format("line {}: found \"{}\" in column {}; expected a number with a decimal point",
+                        number_of_line, cell.substr(0, shown), i + 1));
       return *value;
     };
     const double t = time.factor * at(time.place);
     if (!found.times.empty() && !(t > found.times.back()))
-      throw UserError(fmt::format("line {}: found the time {} s behind {} s, allowed are times that ascend",
+      throw UserError(fmt::format("line {}: found the time {} s after {} s; times must ascend",
                                   number_of_line, t, found.times.back()));
     found.times.push_back(t);
     found.values.push_back(quantity.factor * at(quantity.place));
     return true;
   });
   if (found.times.size() < 2)
-    throw UserError(fmt::format("found {} line{} of numbers, allowed are two and more behind one of names",
+    throw UserError(fmt::format("found {} line{} of numbers; expected at least two after one of names",
                                 found.times.size(), found.times.size() == 1 ? "" : "s"));
   return found;
 }
@@ -294,7 +292,7 @@ std::string unit_hint(const TableColumn& column) {
 
 namespace {
 
-/// Of the spans of a table and of a run: a table in ms that is read in s has 1000, by rounding less.
+/// Largest plausible ratio of the spans of a table and of a run: 1000, less rounding, if ms are read as s.
 constexpr double plausible_ratio = 999;
 
 std::vector<TableWarning> doubt_about_the_unit(const TableColumn& column) {

@@ -13,11 +13,11 @@ namespace signorini::scene {
 std::string read_file(const std::filesystem::path& file) {
   std::error_code none;
   std::ifstream in;
-  if (std::filesystem::is_regular_file(file, none)) // others may never end
+  if (std::filesystem::is_regular_file(file, none)) // reading others may never end
     in.open(file, std::ios::binary);
   std::ostringstream text;
   if (!in.is_open() || !(text << in.rdbuf()))
-    throw UserError(fmt::format("{}: cannot be read, allowed is a file that is not empty", file.string()));
+    throw UserError(fmt::format("{}: cannot be read; give a file that is not empty", file.string()));
   return text.str();
 }
 
@@ -39,7 +39,7 @@ double TimeSeries::operator()(double t) const {
 }
 
 double TimeSeries::slope(double t, bool after) const {
-  // Times of steps are sums, and a hair beside the table's.
+  // Times of steps are sums, which differ from the table's by rounding.
   const double hair = 1e-9 * (end() - begin()) / static_cast<double>(times_.size() - 1);
   const auto above = std::ranges::upper_bound(times_, after ? t + hair : t - hair);
   if (above == times_.begin() || above == times_.end())

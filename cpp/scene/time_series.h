@@ -7,26 +7,25 @@
 
 namespace signorini::scene {
 
-/// Reads a file; throws UserError if it cannot.
+/// Function that reads a file; throws UserError if it cannot be read.
 using ReadFile = std::function<std::string(const std::filesystem::path&)>;
 
-/// The text of a regular file. Throws UserError naming it if it cannot be read.
+/// Returns the text of a regular file. Throws UserError naming it if it cannot be read.
 std::string read_file(const std::filesystem::path& file);
 
-/// A quantity that a table gives at times, linear between them and constant beyond.
+/// Quantity that a table gives at times, linear between them and constant beyond.
 class TimeSeries {
 public:
-  /// From a column of the text of a CSV file, as read_column() reads it. Throws UserError naming line or
-  /// column.
+  /// Reads a column of the text of a CSV file as read_column() does. Throws UserError naming line or column.
   TimeSeries(const std::string& text, const std::string& column);
 
   [[nodiscard]] double operator()(double t) const;
-  /// Its slope at t, per second: where two lines meet, that of the one before t, or, with `after`, behind it.
+  /// Slope at t, per second; where two lines meet, that before t or, with `after`, that after it.
   [[nodiscard]] double slope(double t, bool after) const;
-  /// Its times, s, and values there.
+  /// Times of the table, s, and the values there.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
-  /// Its first and its last time, s.
+  /// First and last time of the table, s.
   [[nodiscard]] double begin() const { return times_.front(); }
   [[nodiscard]] double end() const { return times_.back(); }
 

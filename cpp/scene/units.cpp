@@ -28,7 +28,7 @@ std::optional<Unit> symbol(std::string_view text) {
   return std::nullopt;
 }
 
-/// Takes an exponent off the end of a factor, 1 if it has none.
+/// Takes the exponent off the end of a factor; 1 if it has none, absent if it is wrong.
 std::optional<int> take_exponent(std::string_view& factor) {
   for (const auto& [text, exponent] :
        {std::pair<std::string_view, int>{"\u00b2", 2}, {"\u00b3", 3}, {"\xb2", 2}, {"\xb3", 3}})
@@ -55,7 +55,7 @@ std::optional<int> take_exponent(std::string_view& factor) {
 std::optional<Unit> unit(std::string_view text) {
   constexpr std::string_view times[] = {"*", "\u00b7", " "};
   Unit product;
-  bool any = false, over = false; // behind a solidus, of which there is one at most
+  bool any = false, over = false; // over: behind the solidus, of which one is allowed
   const auto next = [&] {
     std::size_t end = text.find('/');
     for (const std::string_view sign : times)

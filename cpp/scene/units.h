@@ -10,14 +10,14 @@ namespace signorini::scene {
 
 /// A unit of measurement in terms of SI.
 struct Unit {
-  double factor = 1;              ///< SI units in one of it
+  double factor = 1;              ///< SI units per unit
   std::array<int, 3> dimension{}; ///< exponents of m, kg and s
 
   friend bool operator==(const Unit& a, const Unit& b) = default;
 };
 
-/// The unit that a text such as `ms`, `kN`, `N/mm²`, `m/s^2` or `N s` names: a product of m, g, s, min, h, N
-/// and Pa with SI prefixes and whole exponents. Absent if it names none.
+/// Returns the unit that a text such as `ms`, `kN`, `N/mm²`, `m/s^2` or `N s` names: a product of m, g, s,
+/// min, h, N and Pa with SI prefixes and whole exponents. Absent if it names none.
 std::optional<Unit> unit(std::string_view text);
 
 /// Limits and unit of a number, for validation and messages.
@@ -28,7 +28,7 @@ struct Limits {
   std::string unit{};
 
   [[nodiscard]] bool contain(double value) const;
-  /// Such as " greater than 0 and at most 1"; empty without limits.
+  /// Limits in words, such as " greater than 0 and at most 1"; empty without limits.
   [[nodiscard]] std::string range() const;
 };
 

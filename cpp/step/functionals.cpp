@@ -29,10 +29,9 @@ void require_inside(const fem::Space& space, const fem::Sampler& sampler, std::s
                     const std::vector<double>& point, const std::string& key) {
   const double outside = 0.01 * space.mesh().diameter(), distance = sampler.distances()[number];
   if (distance > outside)
-    throw UserError(fmt::format(
-        "{}.point: found ({:.6g}), which is {:.4g} m outside of the body, allowed are points of the "
-        "undeformed body",
-        key, fmt::join(point, ", "), distance));
+    throw UserError(fmt::format("{}.point: found ({:.6g}), which is {:.4g} m outside of the body; choose a "
+                                "point of the undeformed body",
+                                key, fmt::join(point, ", "), distance));
 }
 
 SparseFunctional::SparseFunctional(Vec functional) {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-/// Linear functionals of a motion that probes, measurements and figures of the body share: of displacements
-/// and velocities at a point and in the mean, of multipliers the force of an obstacle.
+/// Linear functionals of a motion, shared by probes, measurements and figures of the body: point values and
+/// means of displacements and velocities, and forces of obstacles from multipliers.
 namespace signorini::step {
 
 /// The translation by 1 along an axis, a field of V. Collective.
@@ -19,7 +19,7 @@ struct Mean {
   petsc::Vector weights;
   double measure; ///< e·Me for the translation e along the axis: area or volume, or mass
 };
-/// `matrix`: of the product in L2 of a group, or a mass matrix. Collective.
+/// Makes the mean by `matrix`: that of the L2 product of a group, or a mass matrix. Collective.
 [[nodiscard]] Mean mean(const fem::Space& space, Mat matrix, std::size_t component);
 
 /// Throws UserError naming `key` if the point of this number is outside of the body: farther from its mesh
@@ -33,7 +33,7 @@ public:
   SparseFunctional() = default;
   explicit SparseFunctional(Vec functional);
 
-  /// This rank's part of the value at y, of which `values` are the owned entries.
+  /// Returns this rank's part of the value at y, whose owned entries are `values`.
   [[nodiscard]] double operator()(std::span<const double> values) const;
   /// sum += factor · functional, on the owned entries.
   void add_to(std::span<double> sum, double factor) const;
@@ -47,11 +47,11 @@ struct ObstacleComponent {
   int obstacle = -1; ///< number in the scene; −1: all
   int component = 0;
 };
-/// Its value for multipliers of pairs.rows() or, as its rate, of their derivatives `rows`; in the unit of the
-/// multipliers. Not collective.
+/// Returns that component for multipliers `lambda`, in their unit. `rows`: pairs.rows() or, for the rate of
+/// the force, their derivatives. Not collective.
 [[nodiscard]] double force_on_body(const contact::ContactPairs& pairs, const contact::ConstraintRows& rows,
                                    ObstacleComponent of, std::span<const double> lambda);
-/// dual += factor · its derivative by the multipliers of pairs.rows(). Not collective.
+/// dual += factor · derivative of that component by the multipliers of pairs.rows(). Not collective.
 void add_force_dual(const contact::ContactPairs& pairs, ObstacleComponent of, double factor,
                     std::span<double> dual);
 

@@ -18,7 +18,7 @@ struct Functional {
   Vec vector = nullptr;  ///< entries of the functional
 };
 
-/// What acts on the body in a step, f_k + s u_k: a force density, N/m³, and forces on the nodes, N.
+/// Force on the body in a step, f_k + s u_k: a force density, N/m³, and forces on the nodes, N.
 struct NodalForce : Functional {};
 
 /// The derivative of a function of the states with respect to one of them, such as ∂J/∂y_k.
@@ -30,12 +30,12 @@ template <std::derived_from<Functional> F>
 class StepByStep {
 public:
   virtual ~StepByStep() = default;
-  /// Whether any step has such a part; if none has, add() leaves that part of `sum` alone.
+  /// Whether any step has a density, a vector; if none has, add() leaves that part of `sum` unchanged.
   [[nodiscard]] virtual bool has_density() const = 0;
   [[nodiscard]] virtual bool has_vector() const = 0;
   /// Adds the force or dual of a step to `sum`.
   virtual void add(const TimeStep& step, F sum) const = 0;
-  /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 of what is constant
+  /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 if f is constant
   /// or no function of time. Collective.
   [[nodiscard]] virtual double variation(double from, double to) const {
     (void)from, (void)to;
@@ -74,7 +74,7 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out);
 class Displacements {
 public:
   virtual ~Displacements() = default;
-  /// y_k at the end of a step, valid until the next is asked for. Collective.
+  /// y_k at the end of a step, valid until the next call. Collective.
   [[nodiscard]] virtual Vec y(const TimeStep& step) const = 0;
 };
 
@@ -82,8 +82,8 @@ public:
 /// again only if they depend on time.
 class SceneLoad final : public Load {
 public:
-  /// `M`: the mass matrix by which gravity acts, and inertia too: then a free body falls without strain.
-  /// `end`: of the motion, s. Collective. The references must outlive this object. Throws UserError.
+  /// `M`: the mass matrix of gravity; with the same for inertia, a free body falls without strain. `end`: end
+  /// of the motion, s. Collective. The references must outlive this object. Throws UserError.
   SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
@@ -91,16 +91,16 @@ public:
   /// Adds the mean of f over the step.
   void add(const TimeStep& step, NodalForce sum) const override;
 
-  /// Whether any part of it is evaluated in every step.
+  /// Whether any load is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
   [[nodiscard]] double variation(double from, double to) const override;
-  /// Loads of which the means are not known to their tolerance.
+  /// Warnings of loads whose means miss their tolerance.
   [[nodiscard]] std::vector<Warning> warnings() const;
   /// Memory of the surfaces' mass matrices, bytes. Collective.
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// A load, its nodal values, and what it contributes: these for a body force; their product with the
+  /// A load, its nodal values, and its contribution: these values for a body force; their product with the
   /// surface's mass matrix for a traction, with M for gravity.
   struct Term {
     fem::TimeProfile profile;
@@ -109,7 +109,7 @@ private:
     Mat product = nullptr;   ///< surface or M; null for a body force
     petsc::Vector force{};   ///< product · nodal
   };
-  /// Evaluated unless it depends on time.
+  /// Makes a term, evaluated unless it depends on time.
   [[nodiscard]] Term term(const scene::Components& components, const std::string& key) const;
   static void multiply(const Term& term);
   static void add_term(const Term& term, const TimeStep& step, Vec out);
@@ -118,9 +118,9 @@ private:
   void for_each(Visit&& visit) const;
 
   const fem::Space& space_;
-  double end_; ///< of the motion, s
+  double end_; ///< end of the motion, s
   std::optional<Term> body_;
-  std::vector<Term> forces_; ///< of gravity and tractions
+  std::vector<Term> forces_; ///< gravity and tractions
 };
 
 } // namespace signorini::step

@@ -20,21 +20,21 @@ public:
 
   /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere, and scratch.
   struct At {
-    double t = -1, reach = 0; ///< what it was evaluated for, s; t < 0: not
-    PetscObjectId forced = 0; ///< the D of which `force` is D γ; 0: not evaluated
+    double t = -1, reach = 0; ///< time and signed step of the evaluation, s; t < 0: none
+    PetscObjectId forced = 0; ///< id of the D in `force` = D γ; 0: not evaluated
     petsc::Vector position, velocity, force, driving;
   };
   [[nodiscard]] At storage() const;
-  /// Evaluates them at the end of a step, or at t_0. Collective. Throws UserError where they are not finite.
+  /// Evaluates γ and γ′ at the end of a step, or at t_0. Collective. Throws UserError if they are not finite.
   void evaluate(const TimeStep& step, At& at) const;
 
-  /// Puts the motion of a step into the right-hand side `r` of the system with decoupled D: adds the force −D
-  /// γ on the free dofs, where `D` is the one before its clamped dofs were decoupled, and sets the `clamped`
-  /// ones to D's entry `diagonal` there times γ. Collective.
+  /// Adds the motion of a step to the right-hand side `r` of the system with decoupled D: the force −D γ on
+  /// the free dofs, with the `D` before its clamped dofs were decoupled. Sets the `clamped` entries to γ
+  /// times `diagonal`, the entry of the decoupled D there. Collective.
   void apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
 
-  /// `v` with its moving dofs changed such that, for the state `y`, `v` before the step, the mass transfers
-  /// the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs; in at.driving. Collective.
+  /// Returns, in at.driving, `v` with its moving dofs changed: for the state `y`, `v` before the step, the
+  /// mass then transfers the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. Collective.
   [[nodiscard]] Vec driving(At& at, Vec y, Vec v) const;
 
   /// Copies the entries of the moving dofs.
@@ -51,7 +51,7 @@ private:
 
   const fem::Space& space_;
   std::vector<Clamp> clamps_;
-  bool at_rest_; ///< γ does not depend on time
+  bool at_rest_; ///< whether γ is constant in time
 };
 
 } // namespace signorini::step

@@ -12,8 +12,8 @@ using petsc::check;
 
 struct ParameterRates::Rate {
   petsc::Matrix A, B, M;            ///< derivatives; null if zero
-  std::optional<SceneLoad> load;    ///< what changes of the loads; of the density, the weight
-  std::optional<ForceAtStep> force; ///< of load
+  std::optional<SceneLoad> load;    ///< derivative of the loads; for the density, the weight
+  std::optional<ForceAtStep> force; ///< value of `load` at a step
   std::optional<contact::ContactPairs::Rates> pairs;
   int obstacle = 0;
   scene::ObstacleRate obstacle_rate;

@@ -8,28 +8,28 @@
 
 namespace signorini::step {
 
-/// A step that was made, as its derivatives by parameters need it.
+/// Data of a step that its derivatives by parameters need.
 struct StepMade {
   TimeStep step;
   const State &from, &to;
   const contact::ContactLinearisation& contact;
 };
 
-/// How the equations of steps change with the unknowns of a scene, with the states held fixed
-/// (docs/method.md section 9): per unit of the unknown j
+/// Derivatives of the equations of steps by the unknowns of a scene, for fixed states (docs/method.md
+/// section 9): per unit of the unknown j
 ///     D δy_k + N δλ_k = R δy_{k−1} + … + s_kj,   ν·δy_k = c_kj on A_k,   δy_0, δv_0
 /// and, in contact-stabilized stepping, for the projected predictor
 ///     M δz + N δζ = M δx + r_kj,   ν·δz = e_kj on Z_k.
 /// All members collective.
 class ParameterRates {
 public:
-  /// `scene` as read, `values` of its unknowns, for which `stepper` was made and which must outlive this
-  /// object. Throws UserError.
+  /// `scene`: as read; `values`: those of its unknowns for which `stepper` was made. `stepper` must outlive
+  /// this object. Throws UserError.
   ParameterRates(const Stepper& stepper, const scene::Scene& scene, std::span<const double> values);
   ~ParameterRates();
 
   [[nodiscard]] std::size_t count() const { return rates_.size(); }
-  /// Takes the step that all others refer to; valid until the next, as long as its vectors do not change.
+  /// Sets the step that the other members refer to; its vectors must not change until the next set().
   void set(const StepMade& made);
 
   /// sum += s_kj.
@@ -60,7 +60,7 @@ private:
   void add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   template <class Add>
   void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add);
-  /// The weight of rate.M.
+  /// Adds the weight of rate.M as a load.
   void add_gravity(const scene::Scene& scene, Rate& rate) const;
   /// ∂M of massless contact by an obstacle's parameter.
   [[nodiscard]] petsc::Matrix redistributed_mass_rate(const scene::Scene& scene,
@@ -71,7 +71,7 @@ private:
   std::optional<StepMade> made_;
   petsc::Vector sum_, difference_, inertia_, jump_; ///< y + y⁻, y − y⁻, τ momentum − (y − y⁻), z − x
   bool jumps_ = false;                              ///< whether Z_k is not empty
-  std::vector<double> lambda_, zeta_;               ///< of the step, of the predictor (m), where normals turn
+  std::vector<double> lambda_, zeta_;               ///< λ_k, ζ_k (m), where normals turn
   petsc::Vector work_;
   std::vector<double> components_;
   std::optional<MovingClamps::At> motion_;

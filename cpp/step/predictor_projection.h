@@ -12,7 +12,7 @@ namespace signorini::step {
 class PredictorProjection {
 public:
   /// Factorises M, which is also given in `blocks` (BAIJ). `derivatives`: linearised or transposed steps are
-  /// wanted; `solves` as of SolverChoice. Collective. The references must outlive this object. Throws
+  /// needed; `solves` as in SolverChoice. Collective. The references must outlive this object. Throws
   /// SolverFailure.
   PredictorProjection(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
                       const contact::ContactPairs& pairs, const scene::Solver& scene, bool derivatives,
@@ -22,7 +22,7 @@ public:
   struct Workspace {
     petsc::Vector r, jump;
     std::vector<double> gap;       ///< (m)
-    contact::ContactState contact; ///< of the projection
+    contact::ContactState contact; ///< contact state of the projection
     contact::Workspace solver;
   };
   /// Collective.

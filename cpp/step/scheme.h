@@ -12,7 +12,7 @@ namespace signorini::step {
 /// to step k − 1, whose rate is rate':
 ///     ω_{k−1} = τ (p_k + j) − ω_k
 ///     D' p_{k−1} + N μ_{k−1} = R p_k + M (rate' ω_{k−1} − rate() ω_k + j) + ∂J/∂y_{k−1}
-/// Defined only here, except that the form d in forms/, which defines D, holds stiffness() and τ/2 too.
+/// Defined only here, except that the form d in forms/, which defines D, contains stiffness() and τ/2 too.
 struct Scheme {
   double tau; ///< length of the step, s
 

@@ -28,7 +28,7 @@ constexpr double iteration_rate = 20e9; ///< bytes a second of an iteration by c
 /// Trials from zero that a step takes by conjugate gradients: its guess saves iterations, changes of the
 /// active set and evaluations of contact cost others.
 constexpr double solves_per_step = 0.9;
-/// By how much conjugate gradients must be quicker: estimates are rough, and a factor's solves are exact.
+/// Factor by which conjugate gradients must be quicker: estimates are rough, and a factor's solves are exact.
 constexpr double margin = 1.15;
 
 } // namespace
@@ -165,7 +165,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     const bool possible = solver->possible();
     std::string compared =
         possible
-            ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
+            ? fmt::format("a factor needs {:.2g} GB, above the limit of {:.2g} GB", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
     if (automatic && (needed > scene.memory || !possible)) {
@@ -190,8 +190,9 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
   if (ranks(petsc::comm(D_)) == 1) {
     if (const double least = least_factor_bytes(D_); automatic && least > scene.memory) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
-      const std::string why = fmt::format("{} (a factor needs at least {:.2g} GB, {:.2g} GB are allowed)",
-                                          other->name(), least / gigabyte, scene.memory / gigabyte);
+      const std::string why =
+          fmt::format("{} (a factor needs at least {:.2g} GB, above the limit of {:.2g} GB)", other->name(),
+                      least / gigabyte, scene.memory / gigabyte);
       return iterate(std::move(other), why);
     }
     auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),

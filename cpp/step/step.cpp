@@ -18,7 +18,8 @@ namespace {
 long &steps = count("steps"), &linearised_steps = count("linearised steps"),
      &adjoint_steps = count("adjoint steps");
 
-/// At contact and at loads that vary over time; everywhere, where they act in the body or there are none.
+/// Least wave time at contact and at tractions that vary over time; of the whole body if body loads vary or
+/// the scene has no contact.
 double wave_time(const fem::Space& space, const scene::Scene& scene) {
   std::vector<fem::Surface> surfaces;
   for (std::size_t i = 0; i < scene.contacts.size(); ++i)
@@ -43,8 +44,8 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
 }
 
 /// The lengths of steps that vary; none if all have the scene's. At the usual tolerance waves cross an
-/// element in contact within two steps or more. The error of a contact that a step begins in falls as the
-/// square of its length.
+/// element in contact within two steps or more. The error of a contact that begins within a step falls as
+/// the square of the step's length.
 std::optional<StepLengths> step_lengths(const scene::Time& time, double wave_time) {
   constexpr double usual_tolerance = 1e-2;
   if (!time.automatic())

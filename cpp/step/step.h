@@ -14,11 +14,11 @@
 namespace signorini::step {
 
 /// The state of a motion, or of a linearised one, at one time: vectors of V, of which the first is the
-/// displacement y (m) and the second the velocity v (m/s). What stores or moves states handles all parts
-/// alike.
+/// displacement y (m) and the second the velocity v (m/s). Code that stores or copies states treats all
+/// parts alike.
 class State {
 public:
-  /// `parts` of them, zero, in the layout of `like`. Collective.
+  /// Makes a zero state of `parts` vectors in the layout of `like`. Collective.
   State(Vec like, std::size_t parts) : parts_(petsc::zero_series(like, parts)) {}
 
   [[nodiscard]] Vec y() const { return parts_[0]; }
@@ -35,12 +35,12 @@ private:
   petsc::Series parts_;
 };
 
-/// What a backward sweep carries from step k + 1 to step k (docs/method.md section 4).
+/// Adjoint variables that a backward sweep passes from step k + 1 to step k (docs/method.md section 4).
 struct AdjointState {
   petsc::Vector p, p_next; ///< p_k, a guess before step k, and p_{k+1}
   petsc::Vector omega;     ///< ω_{k+1}, after step k ω_k
 
-  /// Zero, as behind step N. Collective.
+  /// Makes the zero adjoint state after step N. Collective.
   explicit AdjointState(Vec like)
       : p(petsc::zero_like(like)), p_next(petsc::zero_like(like)), omega(petsc::zero_like(like)) {}
 
@@ -48,7 +48,7 @@ struct AdjointState {
   void advance() { std::swap(p, p_next); }
 };
 
-/// What step k starts from.
+/// Inputs of step k.
 struct StepInput {
   TimeStep step;
   const State& from;                             ///< at t_{k−1}
@@ -56,7 +56,7 @@ struct StepInput {
   const contact::ContactLinearisation& previous; ///< contact at t_{k−1}
 };
 
-/// What a step makes; `contact` is constructed for the candidates, and to.y() holds a guess on entry if the
+/// Results of a step; `contact` is constructed for the candidates, and to.y() is a guess on entry if the
 /// solver takes one.
 struct StepOutput {
   State& to; ///< at t_k
@@ -68,13 +68,13 @@ struct LinearisedStep {
   Scheme scheme;
   const State& from;
   NodalForce load;
-  State& to;                                       ///< as in StepOutput
+  State& to;                                       ///< δ of the state at t_k; y() as in StepOutput
   std::span<const double> normal{};                ///< Hᵀδy on the active set (m), zero if empty
   std::span<double> multipliers{};                 ///< δλ on return (m), not computed if empty
-  const PredictorProjection::Data* predictor = {}; ///< of δz, null: none
+  const PredictorProjection::Data* predictor = {}; ///< data of δz, null: none
 };
 
-/// What the derivative of a step depends on.
+/// Scheme and contact of a step, which determine its derivative.
 struct StepContact {
   Scheme scheme;
   const contact::ContactLinearisation& contact;
@@ -85,22 +85,22 @@ struct AdjointStep {
   StepContact step;                                ///< k
   std::optional<StepContact> next;                 ///< k + 1, none at N
   StateDual derivative;                            ///< ∂J/∂y_k
-  AdjointState& state;                             ///< of step k + 1 on entry, of step k on return
+  AdjointState& state;                             ///< adjoint of step k + 1 on entry, of step k on return
   std::span<const double> normal{};                ///< Hᵀp_k = ∂J/∂λ_k on the active set (m), zero if empty
   std::span<double> multipliers{};                 ///< μ_k on return (m), not computed if empty
-  const PredictorProjection::Data* predictor = {}; ///< of the projection of s_{k+1}, null: none
+  const PredictorProjection::Data* predictor = {}; ///< data of the projection of s_{k+1}, null: none
 };
 
-/// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
+/// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and stores what no step changes:
 /// the operators, D factorised once for each length of steps, and, where the scene has contact, the pairs and
 /// their solver. A step depends on its arguments alone; all scratch is in the workspace.
 class Stepper {
 public:
-  /// What a run needs, by which solvers are chosen.
+  /// Needs of a run, for the choice of solvers.
   struct Needs {
     bool derivatives = false; ///< linearised or transposed steps
-    double passes = 0;        ///< over all steps, expected; 0: the solver is chosen by memory alone
-    bool iterative = false;   ///< as the run did that this one resumes
+    double passes = 0;        ///< expected passes over all steps; 0: the solver is chosen by memory alone
+    bool iterative = false;   ///< whether the resumed run used an iterative solver
   };
 
   /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws
@@ -119,22 +119,22 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
-  /// Of the latest step; those of other lengths solve by the same method. Valid until the next step.
+  /// Solver of the latest step; other lengths solve by the same method. Valid until the next step.
   [[nodiscard]] const SolverChoice& solver() const { return *lengths_->latest().solver; }
-  /// What steps of a length need; valid until the next step. Collective.
+  /// Operators and solver of a step length; valid until the next step. Collective.
   [[nodiscard]] const StepOperators::PerStepLength& of_length(double tau) const { return lengths_->at(tau); }
-  /// Number of lengths that were factorised, each time counted.
+  /// Number of factorisations so far, repeated ones included.
   [[nodiscard]] int factorisations() const { return lengths_->made(); }
-  /// Seconds that these took.
+  /// Total time of the factorisations, s.
   [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
   [[nodiscard]] Mat M() const { return redistributed_mass_ ? redistributed_mass_ : operators_.M; }
-  /// Null except in contact-stabilized stepping.
+  /// The projection of the predictor; null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
-  /// Null where no clamp moves.
+  /// The moving clamps; null where no clamp moves.
   [[nodiscard]] const MovingClamps* motion() const { return motion_ ? &*motion_ : nullptr; }
-  /// Null without contact.
+  /// The contact candidates; null without contact.
   [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
 
   /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
@@ -144,7 +144,7 @@ public:
   [[nodiscard]] std::size_t rows() const {
     return pairs_ ? static_cast<std::size_t>(pairs_->rows().count()) : 0;
   }
-  /// No contact.
+  /// A contact state without contact.
   [[nodiscard]] contact::ContactState contact_state() const {
     return pairs_ ? contact::ContactState(pairs_->count(), pairs_->rows().count()) : contact::ContactState();
   }
@@ -157,7 +157,7 @@ public:
   /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
 
-  /// Scratch of steps; one step at a time may work with it. No step depends on what an earlier one left in
+  /// Scratch of steps; one step at a time may use it. No step depends on what an earlier one left in
   /// it.
   struct Workspace {
     petsc::Vector r{}, work{}, moved{};
@@ -189,32 +189,32 @@ public:
   /// force is Scheme::impulse() p_k. Returns the jump of s_{k+1}, null without one. Collective.
   Vec adjoint_step(const AdjointStep& step, Workspace& work) const;
 
-  /// Where the transpose ends: of `step` with k = 0, ω_0 and, in place of p_0, the derivative of J by y_0, a
-  /// functional on the free dofs. Collective.
+  /// Ends the transpose, with `step` for k = 0: sets ω_0 and, in place of p_0, the derivative of J by y_0, a
+  /// functional on the free dofs. Returns the jump of s_1, null without one. Collective.
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
   /// Removes the mass from contact nodes, and sets redistributed_mass_.
   void move_mass(const scene::Scene& scene);
-  /// work.r = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
+  /// Sets work.r = R x + a M z + b source on the free dofs, zero on the clamped ones; for steps and adjoints.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
-  /// work.r of a linearised step; returns the predictor's jump, null without one.
+  /// Sets work.r of a linearised step; returns the predictor's jump, null without one.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
-  /// The contact solver of a length, with scratch that is fit for it; null without contact.
+  /// The contact solver of a length, its scratch reset if that was of another; null without contact.
   const contact::ContactStepSolver* contact_solver(const StepOperators::PerStepLength& with,
                                                    Workspace& work) const;
   enum class Direction { linearised, transposed };
   /// Solves a linearised or transposed step for work.r on the active set of `contact`, with `value` and
-  /// `multipliers` as of contact::LinearisedContact.
+  /// `multipliers` as in contact::LinearisedContact.
   void solve_on_active_set(double tau, Direction direction, const contact::ContactLinearisation& contact,
                            std::span<const double> value, Vec x, std::span<double> multipliers,
                            Workspace& work) const;
-  /// ω_k of an adjoint step from ω_{k+1}, and the jump of s_{k+1}, null without one; work.r = R p_{k+1} + M
-  /// (rate ω_k − rate_{k+1} ω_{k+1} + j) + ∂J/∂y_k, the terms of step k + 1 being zero at N.
+  /// Sets ω_k of an adjoint step from ω_{k+1}, and work.r = R p_{k+1} + M (rate ω_k − rate_{k+1} ω_{k+1} + j)
+  /// + ∂J/∂y_k, without the terms of step k + 1 at N. Returns the jump of s_{k+1}, null without one.
   Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;
-  /// solve_on_active_set() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤
-  /// 0 on W. The set that stays closed becomes the active one.
+  /// Solves a linearised step whose weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S,
+  /// p·ν ≤ 0 on W. The set that stays closed becomes the active one.
   void solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
                        Workspace& work) const;
 
@@ -227,8 +227,8 @@ private:
   fem::DirichletDofs clamped_;
   std::optional<MovingClamps> motion_;
   std::optional<contact::ContactPairs> pairs_;
-  petsc::Matrix redistributed_mass_;                 ///< in halves; null unless contact takes mass
-  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< the body's and that in blocks
+  petsc::Matrix redistributed_mass_;                 ///< symmetric half; null unless contact takes mass
+  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< the body's and the redistributed one, in blocks
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;
 };

@@ -9,16 +9,16 @@
 
 namespace signorini::step {
 
-/// The lengths that steps of varying length may have: τ_max 2^−j, j = 0 … levels, of which a whole number of
-/// the longest makes the motion. A step of a length begins at a multiple of it, so that all motions end at
-/// the same time, to the last bit, and no steps but these lengths' ever occur.
+/// The lengths that steps of varying length may have: τ_max 2^−j, j = 0 … levels. The motion is a whole
+/// number of the longest steps. A step of a length begins at a multiple of it, so that all motions end at
+/// the same time, to the last bit, and no other lengths ever occur.
 struct StepLengths {
-  double end;  ///< of the motion, s
-  int longest; ///< number of longest steps to it
+  double end;  ///< end of the motion, s
+  int longest; ///< number of longest steps in the motion
   int levels;
 
-  /// Of a scene with steps of varying length: the shortest is the longest that is no longer than `floor` (s)
-  /// or, if that is longer, than time.shortest.
+  /// Makes the lengths of a scene with varying steps. The shortest is the longest that is no longer than
+  /// `floor` (s); with time.shortest it is no shorter than that.
   StepLengths(const scene::Time& time, double floor);
   StepLengths(double to, int longest_steps, int halvings)
       : end(to), longest(longest_steps), levels(halvings) {}
@@ -36,7 +36,7 @@ struct StepLengths {
   [[nodiscard]] std::int64_t ticks() const { return longest * parts(levels); }
 };
 
-/// Step k of a motion, from t_{k−1} to t_k. k = 0 is the initial state, which no step leads to: t_0 alone,
+/// Step k of a motion, from t_{k−1} to t_k. k = 0 is the initial state, to which no step leads: t_0 alone,
 /// with the length of a first step.
 struct TimeStep {
   int k = 0;
@@ -54,17 +54,17 @@ public:
   TimeGrid(double tau, int steps);
   /// No steps: their lengths are still to be chosen from a set of lengths.
   explicit TimeGrid(const StepLengths& step_lengths);
-  /// Of a scene: all steps, or none where their lengths vary.
+  /// The grid of a scene: all steps, or none where their lengths vary.
   explicit TimeGrid(const scene::Time& time);
-  /// Steps of a set of lengths by their levels, as levels() returns them; nothing unless they make up the
-  /// motion.
+  /// Makes steps of a set of lengths from their levels, as levels() returns them; nothing unless they make up
+  /// the motion.
   [[nodiscard]] static std::optional<TimeGrid> of_levels(const StepLengths& step_lengths,
                                                          const std::vector<double>& levels);
 
   /// The first steps alone, N or fewer.
   [[nodiscard]] TimeGrid first(int steps) const;
 
-  /// N: of a motion that was interrupted while its steps were chosen, those made.
+  /// N; the number of steps made, if the motion was interrupted while its steps were chosen.
   [[nodiscard]] int steps() const;
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const;
@@ -80,8 +80,8 @@ public:
   [[nodiscard]] double middle(int k) const;
   /// The last time, of the motion.
   [[nodiscard]] double end() const;
-  /// Where a time from 0 to the end is: in step k, at the part of it that is returned too, t = t_{k−1} + part
-  /// τ_k; times between two steps count to the former, 0 to the first.
+  /// Position of a time from 0 to the end in the grid: step k and the part of it, t = t_{k−1} + part τ_k. A
+  /// time between two steps belongs to the former, 0 to the first.
   struct Place {
     int k;
     double part; ///< 0 … 1
@@ -95,7 +95,7 @@ private:
   friend class TimeGridBuilder;
   struct Steps {
     double tick; ///< the length of which all others are multiples, s
-    int count;   ///< of equal steps
+    int count;   ///< number of equal steps
     std::optional<StepLengths> step_lengths;
     std::vector<std::int64_t> ticks; ///< t_k in units of the shortest length
   };
@@ -113,8 +113,8 @@ public:
   [[nodiscard]] int steps() const { return static_cast<int>(ticks_.size()) - 1; }
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const { return ticks_.back() == step_lengths_.ticks(); }
-  /// The least level that a step after the last one may have: the longest length of which the time reached is
-  /// a multiple.
+  /// The least level that a step after the last one may have: the time reached is a multiple of its length,
+  /// and of no longer one.
   [[nodiscard]] int least_level() const;
   /// Adds a step, and returns it.
   TimeStep add(int level);

@@ -88,7 +88,8 @@ double Approach::until_touch(double t) const {
     if (!obstacles_[o].empty() || errors_.contact(o) || held(i))
       continue;
     const Along body = along(i);
-    // Either farther than the vibration reaches, or by the gap itself, at no more than twice that swings.
+    // The later of two times: the rigid motion comes within reach of the vibration; the gap closes at the
+    // rigid velocity plus twice the largest rate of the vibration.
     const double beyond = first_root(pairs->psi()[i] - body.position - errors_.reach(o), -body.velocity,
                                      -body.acceleration),
                  by_gap = first_root(errors_.gaps()[i], -std::max(body.velocity, 0.0) - 2 * errors_.swing(o),
@@ -117,12 +118,12 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
     const contact::Obstacle::Place place = shape.place(at);
     return std::ranges::any_of(candidates, [&](std::size_t i) { return within_reach(i, place); });
   };
-  // Candidates that clamps hold within reach swing there, and say nothing of the obstacle.
+  // Candidates clamped within reach vibrate there and do not indicate that the obstacle approaches.
   std::erase_if(candidates,
                 [&, place = shape.place(t)](std::size_t i) { return held(i) && within_reach(i, place); });
   if (touches(t))
     return 0;
-  // Farther and farther, so that what is near is looked at closely.
+  // The intervals double, so that near times are sampled densely.
   double from = t;
   for (double length = stepper_.step_lengths()->shortest_step(); from < stepper_.end(); length *= 2) {
     const double to = std::min(from + length, stepper_.end());
@@ -168,7 +169,7 @@ public:
       sum_.emplace(stepper.space(), *load_);
   }
 
-  /// Takes the mean acceleration over an interval, 1 … intervals.
+  /// Sets the mean acceleration over an interval, 1 … intervals.
   void accelerate(int interval) {
     if (!load_ || (interval > 1 && !load_->depends_on_time()))
       return;
@@ -182,7 +183,7 @@ public:
     }
   }
 
-  /// Whether clamps keep no rigid motion from moving the candidate along ν.
+  /// Whether a rigid motion that the clamps allow moves the candidate along ν.
   [[nodiscard]] bool flies(std::size_t i) const {
     return std::ranges::any_of(motions_, [i](const std::vector<double>& one) { return one[i] != 0; });
   }
@@ -200,7 +201,7 @@ private:
   }
 
   const step::Stepper& stepper_;
-  step::TimeGrid grid_; ///< of the intervals
+  step::TimeGrid grid_; ///< grid of the intervals
   fem::RigidMotions rigid_;
   const contact::ConstraintRows& rows_;
   petsc::Vector force_;

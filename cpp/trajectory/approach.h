@@ -10,8 +10,8 @@
 
 namespace signorini::trajectory {
 
-/// When a body in flight touches, by its rigid motion, the vibration that it carries, and the motion of the
-/// obstacles; and what obstacles and clamps do within a step (docs/method.md section 11).
+/// Predicts when a body in flight touches, from its rigid motion, its vibration and the motion of the
+/// obstacles; tests whether obstacles and clamps move smoothly within a step (docs/method.md section 11).
 class Approach {
 public:
   /// Collective. The references must outlive this object. Throws UserError.
@@ -20,7 +20,7 @@ public:
   /// The time from `t` (s) until a candidate of an obstacle that is not in contact comes within reach of it,
   /// 0 where one is, infinite if none does before the end. Not collective.
   [[nodiscard]] double until_touch(double t) const;
-  /// Whether bodies fly free: no candidate is held by clamps.
+  /// Whether bodies fly free: no candidate is fixed by clamps.
   [[nodiscard]] bool free() const { return free_; }
   /// Whether obstacles in contact, and clamps, move between two times smoothly enough: like a parabola, up to
   /// `deep` (m) and to a part of their whole motion. Collective.
@@ -38,7 +38,7 @@ private:
   const step::Stepper& stepper_;
   const StepErrors& errors_;
   bool free_ = true;
-  std::vector<std::vector<double>> points_; ///< of each obstacle's candidates, for level sets
+  std::vector<std::vector<double>> points_; ///< candidates of each obstacle, for level sets
   std::vector<std::vector<std::unique_ptr<fem::TimeProfile>>> obstacles_; ///< motion of each
   std::vector<std::vector<double>> clamped_;                              ///< points
   std::vector<std::unique_ptr<fem::TimeProfile>> clamps_;
@@ -47,23 +47,23 @@ private:
 /// The least s ≥ 0 at which g + v s + a s²/2 is 0 or less, infinite if there is none.
 double first_root(double g, double v, double a);
 
-/// When a body first touches an obstacle if it moves as a rigid one, by its initial velocity and the scene's
-/// loads, without its deformation and a control.
+/// First touch of a body and an obstacle by rigid motion, with the initial velocity and the scene's loads but
+/// without deformation and control.
 struct FirstTouch {
-  double gap = std::numeric_limits<double>::infinity(); ///< the least at t = 0, m
-  bool flies = false; ///< whether rigid motion or the obstacle's own closes it
+  double gap = std::numeric_limits<double>::infinity(); ///< the least gap at t = 0, m
+  bool flies = false; ///< whether rigid motion or that of the obstacle can close the gap
   double time = std::numeric_limits<double>::infinity(); ///< s; infinite if not before the end
-  double speed = 0;                                      ///< of approach then, m/s
+  double speed = 0;                                      ///< speed of approach then, m/s
   double nearest = gap, nearest_time = 0;                ///< the least gap of all times, m, and when, s
 
   [[nodiscard]] bool occurs() const { return time < std::numeric_limits<double>::infinity(); }
 };
 
-/// For each obstacle of the scene. Loads and obstacles that vary are sampled at 256 times. Collective. Throws
-/// UserError.
+/// Returns the first touch of each obstacle of the scene. Loads and obstacles that vary are sampled at 256
+/// times. Collective. Throws UserError.
 std::vector<FirstTouch> first_touches(const step::Stepper& stepper, const scene::Scene& scene);
 
-/// In words, a line for each obstacle. Collective. Throws UserError.
+/// Describes the first touches, in a line for each obstacle. Collective. Throws UserError.
 std::vector<std::string> first_touch_lines(const step::Stepper& stepper, const scene::Scene& scene);
 
 } // namespace signorini::trajectory

@@ -6,7 +6,8 @@
 
 namespace signorini::trajectory {
 
-/// Windows over which a peak force is a mean, in times in which a wave crosses an element in contact.
+/// Window over which a peak force is a mean, in units of the time that a wave takes through an element in
+/// contact.
 constexpr double sustained = 4;
 
 /// A force over time, constant in each step, and figures of it that converge with the steps, which its values
@@ -21,35 +22,36 @@ public:
   [[nodiscard]] double total() const { return sums_.back(); }
   /// The mean force between two times, N.
   [[nodiscard]] double mean(double from, double to) const { return (until(to) - until(from)) / (to - from); }
-  /// The times between which the impulse grows from a part of the whole to another; 0 and 0 without any.
+  /// The times at which the impulse reaches the parts `from` and `to` of the whole; 0 and 0 without any.
   [[nodiscard]] std::pair<double, double> between(double from, double to) const;
   /// The time in which the impulse grows from 1 to 99 % of the whole, s.
   [[nodiscard]] double duration() const;
-  /// A mean force (N), the time over which it is one, and the end of that (s).
+  /// A mean force (N), the length of its window and the window's end (s).
   struct Mean {
     double force = 0, over = 0, end = 0;
   };
   /// The largest mean over `window` (s), or over two steps where these take longer.
   [[nodiscard]] Mean largest_mean(double window) const;
-  /// The largest mean over `window`, beside the largest ones over other times. A smooth force exceeds its
-  /// means by the square of their window: by no more than half a sine of the impulse's duration does, and a
-  /// quarter of what means over twice the time exceed those over four times it.
+  /// The largest mean over `window`, compared with the largest ones over other windows. The excess of a
+  /// smooth force over its means grows as the square of the window. It is at most that of half a sine of the
+  /// impulse's duration, and at most a quarter of the excess of means over twice the window over those over
+  /// four times the window.
   struct Peak {
     Mean mean;
-    double twice = 0;    ///< force, the largest mean over twice mean.over, N
-    double excess = 0;   ///< of mean.force over that, relative
+    double twice = 0;    ///< the largest mean force over twice mean.over, N
+    double excess = 0;   ///< excess of mean.force over `twice`, relative
     double expected = 0; ///< the excess that a smooth force may have
-    bool smooth = false; ///< whether means over half the time exceed it by no more than half of that
+    bool smooth = false; ///< whether means over mean.over / 2 exceed it by at most (mean.force − twice)/2
   };
-  /// Of a record whose total() is not zero.
+  /// Compares the largest means of a record whose total() is not zero.
   [[nodiscard]] Peak peak(double window) const;
 
-  /// Ends of steps, but for those within a time without a force, s.
+  /// Ends of steps, without those inside an interval free of force, s.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
 
 private:
   std::vector<double> times_{0}, sums_{0}, lengths_{0}; ///< ends of steps, impulse until then, last step (s)
-  double end_ = 0;                                      ///< of the last step added, s
+  double end_ = 0;                                      ///< end of the last step added, s
 };
 
 } // namespace signorini::trajectory

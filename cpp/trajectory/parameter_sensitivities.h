@@ -6,7 +6,7 @@
 namespace signorini::trajectory {
 
 /// The derivatives of a motion by the unknowns of a scene, on its active sets (docs/method.md section 9): one
-/// linearised step for each beside every step that is made. All members collective.
+/// linearised step for each unknown with every step that is made. All members collective.
 class ParameterSensitivities {
 public:
   /// The references must outlive this object.

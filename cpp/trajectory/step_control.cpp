@@ -10,19 +10,19 @@ using petsc::check;
 
 namespace {
 
-/// Displacements of a run of equal steps are stored so many levels apart, that is four steps, and
-/// longer steps are considered once there are four of them.
+/// Distance of stored displacements of a run of equal steps, in levels and in steps, and the number of steps
+/// after which longer ones are considered: once four displacements are stored.
 constexpr int apart_levels = 2, apart = 1 << apart_levels, settled = 3 * apart;
-/// Levels by which steps of a flight that need not resolve anything grow, and by which steps are shortened.
+/// Levels by which steps grow in a flight without anything to resolve, and least number by which they shrink.
 constexpr int flight_levels = 4, least_shortening = 2;
-/// Part of the limit up to which the error of a longer step is foreseen.
+/// Part of the limit that the predicted error of a longer step may reach.
 constexpr double caution = 0.5;
 /// Parts of the tolerance: of a load's impulse and of a clamp's motion that vary within a step, of the
 /// largest force.
 constexpr double of_load = 0.1, of_force = 0.5;
 /// Part of the rigid motion's size up to which a body counts as undeformed.
 constexpr double undeformed = 0x1p-40;
-/// Steps of a flight, and times the steps of the contact before it, from which on vibration is let go.
+/// Limits beyond which vibration is ignored: steps of a flight, and their ratio to those of the last contact.
 constexpr int most_flight = 1000, most_of_contact = 10;
 /// Cost of a factorisation in steps: in the plane, in space, and of conjugate gradients.
 constexpr double price_in_plane = 40, price_in_space = 80, price_if_iterative = 10;
@@ -118,7 +118,7 @@ int StepControl::judged(const Frame& frame) {
 bool StepControl::accepts(const Frame& frame) {
   const int level = steps_.step_lengths().level(frame.step.tau);
   int decided = judged(frame);
-  // Every rank has the same sums, but a difference in rounding must not divide them.
+  // Every rank has the same sums, up to rounding: the decision of rank 0 counts for all.
   MPI_Bcast(&decided, 1, MPI_INT, 0, stepper_.space().comm());
   used_[level] = true;
   if (decided != level) {
@@ -153,7 +153,7 @@ void StepControl::remember(const Frame& frame) {
     check(VecCopy(y, displacements_[0]));
     ++stored_;
   };
-  // Where a longer step may begin.
+  // Whether a longer step may begin here.
   const auto fits = [longer = steps_.step_lengths().level(frame.step.tau) - apart_levels](int least) {
     return least <= longer;
   };

@@ -8,10 +8,10 @@
 namespace signorini::trajectory {
 
 /// Chooses the lengths of steps while a motion is made (docs/method.md section 11). Motions begin, touch and
-/// leave in the shortest steps, the floor, by which waves cross the elements in contact. Longer ones are
-/// earned: by an estimate of the error, by the forces in contact, and until a touch that the body's rigid
-/// motion foresees; a step that turns out to be too long is repeated. A length that has not been factorised
-/// must save as many steps as its factorisation costs.
+/// leave in the shortest steps, the floor, which resolve waves in the elements in contact. Longer steps need
+/// small estimated errors and agreeing contact forces, and end before the touch that the rigid motion
+/// predicts; a step that turns out to be too long is repeated. A length that has not been factorised must
+/// save as many steps as its factorisation costs.
 class StepControl {
 public:
   /// Collective. The references must outlive this object. Throws UserError.
@@ -34,24 +34,24 @@ public:
 private:
   /// The level by which to repeat a step, its own if it is good.
   [[nodiscard]] int judged(const Frame& frame);
-  /// What the error of a step of a length may be; no limit where vibration is let go.
+  /// The largest error allowed for a step of a length; infinite where vibration need not be resolved.
   [[nodiscard]] double limit(double tau) const;
   /// Whether the steps ahead need not resolve the body's vibration.
   [[nodiscard]] bool lets_vibration_go() const;
-  /// The level of the next step, at time t.
+  /// Chooses the level of the next step, at time_, after one of `level`.
   [[nodiscard]] int next(int level);
   /// The longest length to which a run of equal steps may grow, by its errors.
   [[nodiscard]] int grown(int level);
-  /// Whether the force is to be accurate: it is asked for, or decides where a free body flies.
+  /// Whether the force must be accurate: it is the chosen quantity, or determines the flight of a free body.
   [[nodiscard]] bool forces_matter() const;
-  /// Whether means of the force over the windows of longer steps are those over an element's, lately.
+  /// Whether recent means of the force over the windows of longer steps agree with those over window_.
   [[nodiscard]] bool forces_agree(double tau) const;
-  /// How long contact is expected to last from now on: until waves are back, or as long as so far, s.
+  /// Time that contact is expected to last from now on: until waves are back, or as long as so far, s.
   [[nodiscard]] double lasts() const;
-  /// The longest of the floor's length, 16, 256 … times that, within a time.
+  /// Level of the longest step within a time, of the floor's length or 16, 256 … times that.
   [[nodiscard]] int longest_within(double time) const;
-  /// The level, or one of shorter steps that is factorised already where its own would not save its
-  /// factorisation within the time `ahead` (s), or where no step of its length begins here.
+  /// Returns `level` or, where that would not save its factorisation within the time `ahead` (s) or no step
+  /// of its length begins here, a level of shorter steps that is factorised already.
   [[nodiscard]] int worth(int level, double ahead) const;
   /// Stores displacements of a run of equal steps.
   void remember(const Frame& frame);
@@ -60,23 +60,23 @@ private:
   scene::StepQuantity quantity_;
   double tolerance_;
   double waves_;  ///< time in which a wave crosses the body twice, s
-  double window_; ///< in which one crosses an element in contact, s
+  double window_; ///< time in which a wave crosses an element in contact, s
   step::TimeGridBuilder steps_;
   int floor_;        ///< level of the shortest steps
-  double price_ = 0; ///< of a factorisation, steps
+  double price_ = 0; ///< cost of a factorisation, steps
   StepErrors errors_;
   Approach approach_;
   const step::ForceAtStep* load_ = nullptr;
-  std::vector<bool> used_;      ///< levels; whatever memory holds, so that the motion does not depend on that
-  std::vector<int> rejections_; ///< of levels
+  std::vector<bool> used_;      ///< by level; also if discarded since, so that memory has no influence
+  std::vector<int> rejections_; ///< number of rejections, by level
   int level_ = 0, rejected_ = 0;
   bool strained_ = true;                       ///< whether the body is, or may be, deformed
-  bool let_go_ = false;                        ///< vibration of this flight
-  int flight_steps_ = 0;                       ///< since contact ended
-  double time_ = 0, until_touch_ = 0;          ///< after the last accepted step, s
-  int stored_ = 0;                             ///< displacements of the present run of equal steps
-  bool fresh_ = false;                         ///< whether the last step left one
-  int least_level_ = 0;                        ///< of the grid, after the last accepted step
+  bool let_go_ = false;                        ///< whether vibration of this flight is ignored
+  int flight_steps_ = 0;                       ///< steps since contact ended
+  double time_ = 0, until_touch_ = 0;          ///< both after the last accepted step, s
+  int stored_ = 0;                             ///< number of displacements of the present run of equal steps
+  bool fresh_ = false;                         ///< whether the last step stored one
+  int least_level_ = 0;                        ///< least level of the grid, after the last accepted step
   std::array<petsc::Vector, 4> displacements_; ///< four steps apart, the latest first
   petsc::Vector difference_;
 };

@@ -15,11 +15,11 @@ namespace {
 constexpr double rounding_of_y = 0x1p-50;
 /// The error of a trapezoidal step: τ³/12 of the third derivative.
 constexpr double trapezoidal = 12;
-/// Of the tolerance: what errors in contact may add up to.
+/// Largest sum of errors in contact, in units of the tolerance.
 constexpr double most_accumulated = 5;
 /// Part of the shortest step by which touches may differ as rounding turns a body.
 constexpr double most_turned = 0.2;
-/// Part of their errors with which the shortest steps count in a flight between two touches; by trials.
+/// Weight of the shortest steps' errors in a flight between two touches; by trials.
 constexpr double of_shortest = 0.2;
 
 /// Factors of values at times t, the newest first, in the distance of the newest from the line through the
@@ -116,7 +116,7 @@ void StepErrors::set_mean(const Frame& frame) {
 double StepErrors::error_of(const Frame& frame, bool abrupt) {
   const std::array times{means_[0].middle, means_[1].middle, means_[2].middle};
   const double tau = frame.step.tau;
-  // Of a smooth motion the distance grows with that of the earlier steps; of a sudden change it does not.
+  // In a smooth motion the distance grows with that of the earlier steps; after a sudden change it does not.
   const double part =
       abrupt ? 1 : std::min(1.0, 2 * tau * tau / ((times[0] - times[1]) * (times[0] - times[2])));
   std::array<double, 3> factors = distance(times);
@@ -175,8 +175,8 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   set_mean(frame);
   const double tau = frame.step.tau;
   Step step;
-  // The first step has no history, and the shortest ones are what others are measured by: they count where
-  // vibration goes on to the next touch.
+  // The first step has no history. The shortest steps are the reference for others: they count only where
+  // vibration continues to the next touch.
   const bool shortest = stepper_.step_lengths()->level(frame.step.tau) >= stepper_.step_lengths()->levels;
   const bool judges = known_ > 1 && (!shortest || (!contact_.lasts && contact_.steps > 0));
   const double error = judges ? error_of(frame, frame.contact.active != active_) : 0;
@@ -275,7 +275,7 @@ void StepErrors::take_contact(const Frame& frame) {
     if (const double error = std::min(flight_.error, without_phases()); error > vibration_.error)
       vibration_ = {begin, std::ranges::max(reach_), error};
     begins_.push_back(begin);
-    // Contact that is resumed after a short pause goes on.
+    // Contact that resumes after a short pause is the same contact.
     constexpr double pause = 0.1;
     if (contact_.steps == 0 || begin - contact_.end > pause * (contact_.end - contact_.begin)) {
       coarsest_ = coarsest_contact();
@@ -309,7 +309,7 @@ void StepErrors::judge_flight(const Frame& frame) {
   for (const int i : frame.contact.active)
     if (const auto at = static_cast<std::size_t>(i); last_length_ > 0)
       speed = std::max(speed, (gaps_before_[at] - gaps_[at]) / last_length_);
-  // What rounding of A y turns a body by that flies without strain, as measured; y grows with the time.
+  // Measured rotation of a body in flight without strain by rounding of A y; y grows with the time.
   constexpr double turned = 0.05;
   const double time = frame.step.end / stepper_.wave_time(), window = speed * stepper_.wave_time();
   if (window > 0)
@@ -337,34 +337,33 @@ std::vector<Warning> StepErrors::warnings() const {
   if (vibration_.error > tolerance_ * scale_)
     found.push_back(
         {"vibration",
-         fmt::format("the body still vibrated, by up to {:.2g} of its largest deformation, when it "
-                     "touched at t = {:.6g} s, and the steps before did not resolve that: their errors "
-                     "add up to {:.2g} of it, {:g} are meant (time.tolerance)",
+         fmt::format("when the body touched at t = {1:.6g} s it still vibrated by up to {0:.2g} of its "
+                     "largest deformation, which the steps did not resolve. Their errors add up to {2:.2g} "
+                     "of it; time.tolerance is {3:g}",
                      vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
          vibration_.error / scale_, tolerance_});
   if (const double most = most_turned * stepper_.step_lengths()->shortest_step() / stepper_.wave_time();
       drift_ > most)
-    found.push_back(
-        {"rounding in flight",
-         fmt::format("the body flies so long before it touches at t = {:.6g} s that rounding may turn "
-                     "it: by {:.2g} of what it moves while a wave crosses an element, {:.2g} "
-                     "are meant; let it begin nearer to the touch",
-                     begins_.front(), drift_, most),
-         drift_, most});
+    found.push_back({"rounding in flight",
+                     fmt::format("the body flies so long before it touches at t = {:.6g} s that rounding may "
+                                 "turn it. It turns by {:.2g} of its motion while a wave crosses an element "
+                                 "(limit {:.2g}); let it begin nearer to the touch",
+                                 begins_.front(), drift_, most),
+                     drift_, most});
   if (const double sum = contact_error_ / scale_, most = most_accumulated * tolerance_; sum > most)
     found.push_back(
         {"accumulated error",
-         fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, "
-                     "{:g} are meant (5 time.tolerance): forces may be off; lower time.tolerance",
+         fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, above 5 "
+                     "time.tolerance = {:g}: forces may be off; lower time.tolerance",
                      sum, most),
          sum, most});
   if (const Contact& few = coarsest_contact(); few.impulse > tolerance_ * force_.total())
     found.push_back(
         {"few steps in contact",
-         fmt::format("the contact that begins at t = {:.6g} s gives {:.2g} of the impulse within {} step{}: "
-                     "its force and its duration are not resolved; let the mesh be finer there, or "
-                     "time.shortest smaller",
-                     few.begin, few.impulse / force_.total(), few.steps, few.steps == 1 ? "" : "s"),
+         fmt::format(
+             "the contact that begins at t = {:.6g} s gives {:.2g} of the impulse within {} step{}, so that "
+             "its force and duration are not resolved. Refine the mesh there, or lower time.shortest",
+             few.begin, few.impulse / force_.total(), few.steps, few.steps == 1 ? "" : "s"),
          static_cast<double>(few.steps), few_steps});
   if (force_.total() > 0)
     if (const std::optional<Warning> peak = peak_warning())
@@ -384,10 +383,10 @@ std::optional<Warning> StepErrors::peak_warning() const {
     return std::nullopt;
   return Warning{
       peak_of_the_mesh,
-      fmt::format("the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that: "
-                  "the size of the elements and the steps decide how large a peak is; let the mesh be "
-                  "finer, lower time.tolerance, or compare impulses",
-                  peak.mean.force, peak.mean.over, peak.twice),
+      fmt::format(
+          "the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that, so that "
+          "elements and steps decide the peak. Refine the mesh, lower time.tolerance, or compare impulses",
+          peak.mean.force, peak.mean.over, peak.twice),
       peak.excess, most};
 }
 

@@ -115,8 +115,9 @@ petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double
   check(VecNorm(held, NORM_INFINITY, &held_size));
   check(VecNorm(difference, NORM_INFINITY, &moved));
   if (moved > rounding * std::max({size, held_size, scale}))
-    throw UserError(fmt::format(
-        "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is 0", key, moved));
+    throw UserError(
+        fmt::format("{}: found a difference of {:.4g} to what the clamps prescribe at t = 0; make them equal",
+                    key, moved));
   check(VecAXPY(x, 1, held));
   return whole;
 }
@@ -162,7 +163,7 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
 
 namespace {
 
-/// Begins a motion: the gaps of the initial state, since no step has computed them yet.
+/// Sets the gaps of the initial state at the begin of a motion, since no step has computed them yet.
 void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState& contact) {
   if (const contact::ContactPairs* pairs = stepper.pairs())
     pairs->rows().gap(pairs->psi(), y, contact.gap);
@@ -190,7 +191,7 @@ int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, Tim
 
 namespace {
 
-/// A motion of which the last two states are stored, and the contact of the last two steps.
+/// A motion that stores its last two states and the contact of its last two steps.
 struct Rolling {
   Rolling(const step::Stepper& stepper, const step::State& initial, const step::ForceAtStep& load)
       : work(stepper.workspace()), two{stepper.contact_state(), stepper.contact_state()},

@@ -7,19 +7,19 @@
 
 namespace signorini::trajectory {
 
-/// Extrapolates a series of solutions by the parabola through the last three, as a guess of the next one;
-/// does nothing where the stepper's solver takes no guess.
+/// Extrapolates a series of solutions by the parabola through the last three, as a guess of the next one.
+/// Does nothing where the stepper's solver takes no guess.
 class Extrapolation {
 public:
   explicit Extrapolation(const step::Stepper& stepper);
 
   /// Stores a copy of the latest solution, of time `t` (s), unless it is known already.
   void remember(double t, Vec x);
-  /// Sets `out` to the extrapolated solution of time `t`; leaves it unchanged if nothing is remembered.
+  /// Sets `out` to the extrapolated solution of time `t`; leaves it unchanged if nothing is stored.
   void guess(double t, Vec out) const;
 
   void forget() { known_ = 0; }
-  /// Copies what `other` remembers.
+  /// Copies the solutions of `other`.
   void take(const Extrapolation& other);
 
   /// Number of vectors that an object stores.
@@ -29,12 +29,12 @@ private:
   static constexpr int most = 3;
   bool wanted_;
   std::array<petsc::Vector, most> last_; ///< the latest first
-  std::array<double, most> times_{};     ///< of these
+  std::array<double, most> times_{};     ///< times of these, s
   int known_ = 0;
 };
 
-/// What the steps after t_k depend on, except for the contact of step k, so that steps from a copy give the
-/// same bits.
+/// Data that the steps after t_k depend on, except for the contact of step k. Steps from a copy give the same
+/// bits.
 struct Checkpoint {
   int k = 0;
   step::State state;
@@ -65,10 +65,10 @@ public:
   /// Makes a step, the one after that to the current state. Throws SolverFailure naming it, after which only
   /// restart() and resume() may be called.
   void advance(const step::TimeStep& step);
-  /// Takes the last step back, once.
+  /// Undoes the last step, once.
   void take_back();
 
-  /// Where it is; k < 0 before the first restart() or resume() and after a failed step.
+  /// The current step and state; k < 0 before the first restart() or resume() and after a failed step.
   [[nodiscard]] const Checkpoint& now() const { return now_; }
   /// The state before the last step; valid until the next.
   [[nodiscard]] const step::State& before() const { return before_; }
@@ -118,7 +118,7 @@ int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const st
 class StepControl;
 
 /// Integrates to the end of the motion with steps whose lengths `control` chooses; returns these, which are
-/// incomplete if a stop was requested. `watch` (which may be empty) sees no step that is repeated.
+/// incomplete if a stop was requested. `watch` (which may be empty) is called for accepted steps only.
 /// Collective. Throws SolverFailure naming the step.
 [[nodiscard]] step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::State& initial,
                                                 const step::ForceAtStep& load, StepControl& control,

@@ -18,7 +18,7 @@ constexpr const char *writing = "states written", *reading = "states read",
                      *recomputing = "states recomputed";
 } // namespace
 
-/// Every state, in memory.
+/// Stores every state in memory.
 class StateStoreFactory::InMemory final : public StateStore {
 public:
   InMemory(const step::Stepper& stepper, int steps, std::size_t parts) {
@@ -35,7 +35,7 @@ private:
   std::vector<step::State> states_;
 };
 
-/// Every state, in files of the ranks, one for each part, and the one read last in memory.
+/// Stores every state in files of the ranks, one for each part, and the one read last in memory.
 class StateStoreFactory::OnDisk final : public StateStore {
 public:
   OnDisk(const step::Stepper& stepper, int steps, std::size_t parts, Timers& timers)
@@ -65,7 +65,7 @@ public:
 
 private:
   Timers& timers_;
-  std::deque<ScratchFile> files_; ///< which do not move
+  std::deque<ScratchFile> files_; ///< a deque, which does not move its elements
   step::State last_;
   int held_ = -1;
 };
@@ -162,11 +162,10 @@ StateStoreFactory::StateStoreFactory(const step::Stepper& stepper, const step::T
     return;
   const double one = Checkpoint::bytes(stepper), room = share * scene.budget / one;
   if (room < 1)
-    throw UserError(
-        fmt::format("trajectory.budget: found {:.6g} bytes, allowed are {:.6g} or more: a checkpoint takes "
-                    "{:.3g} MB, and {}",
-                    scene.budget, std::ceil(one / share), one * 1e-6,
-                    share < 1 ? "the desired motion needs one of its own" : "there must be one"));
+    throw UserError(fmt::format("trajectory.budget: found {:.6g} bytes; expected at least {:.6g}, since a "
+                                "checkpoint takes {:.3g} MB, and {}",
+                                scene.budget, std::ceil(one / share), one * 1e-6,
+                                share < 1 ? "the desired motion needs one of its own" : "there must be one"));
   pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(grid.steps() - 1.0, 0.0))));
 }
 

@@ -16,7 +16,7 @@ public:
   virtual ~StateStore() = default;
   /// Stores the states in order, k = 0 … N; k = 0 starts a new motion. Throws WriteFailure.
   virtual void keep(const Checkpoint& now) = 0;
-  /// The state at t_k, bit for bit, with its first part alone unless whole states were asked for. Valid until
+  /// The state at t_k, bit for bit, with its first part alone unless whole states are stored. Valid until
   /// the next call. Throws WriteFailure, SolverFailure.
   virtual const step::State& at(int k) = 0;
 };
@@ -31,7 +31,7 @@ public:
   StateStoreFactory(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Trajectory& scene,
                     double share, Timers& timers);
 
-  /// A store for the states of one motion, that of `integrator`, which recomputes those that are not kept;
+  /// Makes a store for the states of the motion of `integrator`, which recomputes those that are not stored.
   /// `whole`: with all parts of the states, else with displacements. This object and the integrator must
   /// outlive it. Collective. Throws WriteFailure.
   [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool whole = false) const;
@@ -44,7 +44,7 @@ public:
   [[nodiscard]] double bytes(bool whole = false) const;
 
 private:
-  /// The number of parts that a store keeps of a state.
+  /// The number of parts of a state in a store.
   [[nodiscard]] std::size_t parts(bool whole) const { return whole ? stepper_.state_parts() : 1; }
 
   struct Pool;
@@ -70,11 +70,11 @@ int next_checkpoint(int steps, int slots);
 /// Total number of steps, the first run included; the minimum over all choices of checkpoints.
 long steps_made(int steps, int slots);
 
-/// How close a motion is to one with other active sets.
+/// Distance of a motion from one with other active sets.
 struct Margins {
   double least_force = std::numeric_limits<double>::infinity(),
-         largest_force = 0;                             ///< of closed candidates, N
-  double gap = std::numeric_limits<double>::infinity(); ///< the least of open candidates, m
+         largest_force = 0;                             ///< forces of closed candidates, N
+  double gap = std::numeric_limits<double>::infinity(); ///< the least gap of open candidates, m
 
   /// The least force relative to the largest; 0 without any.
   [[nodiscard]] double force() const { return largest_force > 0 ? least_force / largest_force : 0; }
@@ -82,8 +82,8 @@ struct Margins {
   void take(const contact::ContactState& contact, step::Scheme scheme);
 };
 
-/// A motion that can be looked up again: its states from `storage`, which names its N steps, the active sets
-/// of all steps from memory. All members collective.
+/// A stored motion: its states from `storage`, whose grid has its N steps, and the active sets of all steps
+/// from memory. All members collective.
 class Trajectory final : public step::Displacements {
 public:
   /// `whole`: at() returns whole states. The references must outlive this object. Throws WriteFailure.
@@ -93,8 +93,8 @@ public:
   Trajectory& operator=(const Trajectory&) = delete;
 
   /// Integrates the motion under `load` and passes its frames to `watch`; fewer than N steps if a stop was
-  /// requested. The terms of `load` must not change for as long as states are asked for, which may be
-  /// recomputed. Throws SolverFailure naming the step, WriteFailure.
+  /// requested. The terms of `load` must not change while at() is in use, which may recompute states.
+  /// Throws SolverFailure naming the step, WriteFailure.
   void run(step::ForceAtStep load, const StepObserver& watch = {});
 
   [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
@@ -103,7 +103,7 @@ public:
   /// Active sets of the steps 0…N of the last run; 0 is the initial state, whose candidates count as open.
   [[nodiscard]] const std::vector<contact::ContactLinearisation>& contact() const { return contact_; }
   [[nodiscard]] const Margins& margins() const { return margins_; }
-  /// The state at t_k, of which y() alone without `whole`. Valid until the next call of at(). Throws
+  /// The state at t_k, with y() alone unless `whole`. Valid until the next call of at(). Throws
   /// WriteFailure, SolverFailure.
   [[nodiscard]] const step::State& at(int k) const { return states_->at(k); }
   [[nodiscard]] Vec y(const step::TimeStep& step) const override { return at(step.k).y(); }
@@ -116,7 +116,7 @@ private:
   contact::ContactState now_; ///< contact of the last step made
   step::Stepper::Workspace work_;
   Margins margins_;
-  std::optional<step::ForceAtStep> load_; ///< of the last run
+  std::optional<step::ForceAtStep> load_; ///< load of the last run
   step::NodalForce acting_;
   TimeIntegrator integrator_;
   std::unique_ptr<StateStore> states_;

@@ -8,14 +8,14 @@
 #include <stdexcept>
 #include <vector>
 
-/// Values as numpy arrays, which own them: nothing is copied, and none outlives its memory.
+/// Conversion of values to numpy arrays, which own them: nothing is copied, and none outlives its memory.
 namespace signorini::python {
 
 using Array = nanobind::ndarray<nanobind::numpy, double>;
-/// What a caller gives; another type or order is converted.
+/// Array from a caller; another type or order is converted.
 using Given = nanobind::ndarray<const double, nanobind::c_contig, nanobind::device::cpu>;
 
-/// An array of what `values` looks at in `owner`, which moves into it.
+/// Makes an array of the entries of `owner` that `values` refers to; takes ownership of `owner`.
 template <class Owner>
 Array array_of(Owner owner, std::span<double> (*values)(Owner&), std::vector<std::size_t> shape) {
   auto* kept = new Owner(std::move(owner));
@@ -33,7 +33,7 @@ inline Array array_of(std::vector<double> values) {
   return array_of(std::move(values), {size});
 }
 
-/// (intervals × values)
+/// Makes an array of a control's values (intervals × values).
 inline Array array_of(control::Control u) {
   const auto count = static_cast<std::size_t>(u.count());
   const std::size_t size = std::as_const(u).values().size() / count;
@@ -41,7 +41,7 @@ inline Array array_of(control::Control u) {
                                     {count, size});
 }
 
-/// Throws std::invalid_argument where an array has another shape, if only by its order of axes.
+/// Throws std::invalid_argument unless an array has this shape; another order of axes is refused, too.
 inline void require_shape(const Given& given, const std::vector<std::size_t>& shape, const char* meaning) {
   std::vector<std::size_t> found;
   for (std::size_t axis = 0; axis < given.ndim(); ++axis)

@@ -2,7 +2,7 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
-/// The parts of the module: its classes, which the package's own wrap and document.
+/// Parts of the module: each function adds classes, which those of the Python package wrap and document.
 namespace signorini::python {
 
 void bind_scene(nanobind::module_& module);

@@ -25,8 +25,8 @@ namespace {
 
 using control::Control;
 
-/// J of a scene's control, its derivatives, and the motions of the two controls that were looked at last. A
-/// derivative is that by the entries of u; the optimizer's product makes a control of it.
+/// J of a scene's control, its derivatives, and the motions of the last two controls. A derivative is that by
+/// the entries of u; the optimizer's product turns it into a control.
 class Reduced final : public Open {
   struct Modules {
     explicit Modules(Scene& from)
@@ -45,14 +45,14 @@ class Reduced final : public Open {
     signorini::problem::Problem modules;
     signorini::problem::ControlProblem problem;
   };
-  /// A control whose motion the reduced problem has.
+  /// Control whose motion the reduced problem has stored.
   struct Known {
     Control u;
     std::optional<Control> gradient{};
   };
 
 public:
-  /// Collective. Throws UserError, SolverFailure, Interrupted.
+  /// Sets up the problem. Collective. Throws UserError, SolverFailure, Interrupted.
   explicit Reduced(Scene& scene)
       : all_(compute([&] {
           drivers::require_control_problem(MPI_COMM_WORLD, scene.scene(), {});
@@ -80,8 +80,8 @@ private:
     return sweep();
   }
 
-  /// What `work` computes once the given control is the current one; a motion that is known is not made
-  /// again.
+  /// Returns the result of `work` once the given control is the current one; a stored motion is not
+  /// recomputed.
   template <class Work>
   auto at(Control u, Work&& work) {
     return compute([&] {
@@ -96,7 +96,7 @@ private:
     if (known[0])
       return;
     if (!known[1]) {
-      trial_.reset(); // overwritten, whether or not the sweep comes to its end
+      trial_.reset(); // overwritten, even if the sweep fails
       swept([&] { reduced().simulate(u); });
       trial_.emplace(std::move(u));
     }
@@ -118,8 +118,8 @@ private:
   }
 
   std::unique_ptr<Modules> all_;         ///< empty once Python ends
-  double seconds_ = 0;                   ///< of what a C++ program does for J and its derivative
-  std::optional<Known> current_, trial_; ///< as the reduced problem's
+  double seconds_ = 0;                   ///< time of the sweeps for J and its derivative
+  std::optional<Known> current_, trial_; ///< the reduced problem's current point and trial
 
 public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
@@ -127,8 +127,8 @@ public:
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
-  /// A control of given values, which `order` takes from a whole one's. Collective. Throws
-  /// std::invalid_argument on every rank where one rank's array has another shape or what is no number.
+  /// Makes a control of given values; with `order` the given ones are those of a whole control. Collective.
+  /// Throws std::invalid_argument on every rank if one rank's array has another shape, nan or inf.
   [[nodiscard]] Control control(const Given& given, const Rows* order = nullptr) const {
     const std::span<const double> all = values_of(given);
     const int count = controls().count();
@@ -140,7 +140,7 @@ public:
         require_shape(given, {static_cast<std::size_t>(count), controls().size()},
                       "intervals x values of this rank");
       if (!std::ranges::all_of(all, [](double x) { return std::isfinite(x); }))
-        wrong = "found nan or inf, allowed are finite numbers";
+        wrong = "found nan or inf; expected finite numbers";
     } catch (const std::invalid_argument& error) {
       wrong = error.what();
     }
@@ -162,7 +162,7 @@ public:
     return at(control(given, order), [&] { return reduced().value().total(); });
   }
 
-  /// J and its derivative.
+  /// Returns J and its derivative.
   std::pair<double, Array> value_and_derivative(const Given& given, const Rows* order) {
     double value = 0;
     Control derivative = at(control(given, order), [&] {
@@ -172,7 +172,7 @@ public:
     return {value, array_of(std::move(derivative))};
   }
 
-  /// The gradient in the optimizer's product.
+  /// Gradient as Riesz representative in the optimizer's product.
   Array representative(const Given& given) {
     return array_of(at(control(given), [&] { return gradient(); }));
   }
@@ -190,7 +190,7 @@ public:
     });
   }
 
-  /// The displacements of some steps (steps × nodes × dim).
+  /// Displacements of `count` steps from the step `first` on (steps × nodes × dim), m.
   Array displacements(const Given& given, int first, int count) {
     const auto dim = static_cast<std::size_t>(modules().space.dim());
     std::vector<double> values = at(control(given), [&] {
@@ -206,7 +206,7 @@ public:
     return array_of(std::move(values), {steps, static_cast<std::size_t>(modules().space.owned_nodes()), dim});
   }
 
-  /// How many candidates are in contact after each step, 0 being the initial state, of all ranks.
+  /// Numbers of candidates in contact, on all ranks, after each step; step 0: the initial state.
   std::vector<std::size_t> active(const Given& given) {
     return at(control(given), [&] {
       std::vector<std::size_t> counts;
@@ -236,7 +236,7 @@ std::vector<double> of_intervals(const control::ControlSpace& controls,
   return numbers;
 }
 
-/// Points with three coordinates (n × 3) as an array (n × dim).
+/// Makes an array (n × dim) of points with three coordinates (n × 3).
 Array points(const std::vector<double>& all, int dim) {
   const std::size_t n = all.size() / 3, d = static_cast<std::size_t>(dim);
   std::vector<double> own;

@@ -13,11 +13,11 @@ namespace nb = nanobind;
 namespace signorini::python {
 namespace {
 
-/// The least-squares problem of a scene's unknowns, by their values θ, with the residuals and derivatives of
-/// the values that were looked at last.
+/// Least-squares problem of a scene's unknowns, by their values θ, with the residuals and derivatives at the
+/// last θ cached.
 class Fit final : public Open {
 public:
-  /// Collective. Throws UserError, Interrupted.
+  /// Sets up the problem. Collective. Throws UserError, Interrupted.
   explicit Fit(Scene& scene)
       : all_(compute([&] {
           if (scene.scene().unknowns.empty())
@@ -32,12 +32,12 @@ public:
   [[nodiscard]] problem::ParameterProblem& problem() const { return all().problem; }
   [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
 
-  /// Residuals (m).
+  /// Returns the residuals (m).
   Array residuals(const Given& theta) {
     return compute_at(theta, [&] { return at_.residuals; });
   }
 
-  /// ∂r_i/∂θ_j, column by column (n × m).
+  /// Returns the derivatives ∂r_i/∂θ_j, column by column (n × m).
   Array jacobian(const Given& theta) {
     const std::size_t n = theta.size();
     std::vector<double> columns = compute([&, values = values(theta)] {
@@ -52,7 +52,7 @@ public:
     return array_of(std::move(columns), {n, at_.residuals.size()});
   }
 
-  /// What the motion gives of what was measured (values).
+  /// Returns the simulated values of the measured quantities (values).
   Array simulated(const Given& theta) {
     return compute_at(theta, [&] {
       std::vector<double> values;
@@ -86,7 +86,7 @@ private:
     }));
   }
 
-  /// Throws std::invalid_argument unless they are one of each unknown.
+  /// Copies θ. Throws std::invalid_argument unless it has one value of each unknown.
   [[nodiscard]] std::vector<double> values(const Given& theta) const {
     require_shape(theta, {scene().unknowns.size()}, "one value of each unknown");
     const std::span<const double> given = values_of(theta);
@@ -94,7 +94,7 @@ private:
   }
 
   void go_to(std::vector<double> theta) {
-    // The same on every rank, whatever became of last digits there.
+    // Made the same on every rank: last digits may differ.
     MPI_Bcast(theta.data(), static_cast<int>(theta.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
     if (theta == theta_)
       return;
@@ -106,11 +106,11 @@ private:
   }
 
   std::unique_ptr<Modules> all_;  ///< empty once Python ends
-  std::vector<double> theta_, x_; ///< looked at last; θ is empty without
+  std::vector<double> theta_, x_; ///< values evaluated last; θ is empty before any
   optimize::LeastSquares at_;
 };
 
-/// The data of all measurements one after another.
+/// Returns one kind of numbers of all measurements one after another.
 Array data(const Fit& self, const std::vector<double> control::Data::* numbers) {
   std::vector<double> all;
   for (const control::Data& one : self.problem().misfit.data())

@@ -11,7 +11,7 @@ using namespace signorini;
 
 namespace {
 
-/// The program's errors as Python's; their sentences stay.
+/// Translates the program's errors into Python's, with their messages.
 void bind_errors(nb::module_& module) {
   nb::exception<UserError>(module, "SceneError", PyExc_ValueError);
   nb::exception<SolverFailure>(module, "SolverFailure", PyExc_RuntimeError);

@@ -30,7 +30,7 @@ void Rows::fill(std::span<const double> values, std::size_t j, std::vector<doubl
   for (std::size_t i = 0; i < start_.size(); ++i) {
     const double* const from =
         &values[static_cast<std::size_t>(start_[i] + static_cast<std::int64_t>(j) * stride_[i])];
-    // All are read before one is written, or they would not go in pairs.
+    // All components are read before one is written; otherwise they would not be processed in pairs.
     std::array<double, components> scaled;
     for (std::size_t c = 0; c < components; ++c)
       scaled[c] = from[c] * factor * column_[i * components + c];
@@ -41,7 +41,7 @@ void Rows::fill(std::span<const double> values, std::size_t j, std::vector<doubl
 template <class Take>
 void Rows::each_row(std::span<const double> values, Take&& take) const {
   if (values.size() != size_)
-    throw std::invalid_argument(fmt::format("found an array of {} entries, allowed are {} x {} of all ranks",
+    throw std::invalid_argument(fmt::format("found an array of {} entries; expected {} x {} of all ranks",
                                             values.size(), rows(), size_ / std::max<std::size_t>(rows(), 1)));
   const std::size_t components = start_.empty() ? 1 : width() / start_.size();
   std::vector<double> row(width());

@@ -7,28 +7,28 @@
 
 namespace signorini::python {
 
-/// Takes the places of an array in another order, and scales them:
+/// Reorders and scales the places of an array:
 /// result(j, i, c) = values[start(i) + j · stride(i) + c] · row(j) · column(i, c), rows × places ×
-/// components. numpy's indexing by columns leaves the result in the order of columns, and by a whole table of
-/// indices reads three times as much.
+/// components. numpy's indexing by columns leaves the result in the order of columns; its indexing by a whole
+/// table of indices reads three times as much.
 class Rows {
 public:
   using Places =
       nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 
-  /// For arrays of `size` entries; `start`, `stride` (places), `row` (rows), `column` (places × components).
-  /// Throws std::invalid_argument.
+  /// Prepares the order for arrays of `size` entries; `start`, `stride` (places), `row` (rows), `column`
+  /// (places × components). Throws std::invalid_argument.
   Rows(std::size_t size, const Places& start, const Places& stride, const Given& row, const Given& column);
 
-  /// Entries of the arrays that it takes.
+  /// Entries of an array to reorder.
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t rows() const { return row_.size(); }
   /// Entries of a row of the result.
   [[nodiscard]] std::size_t width() const { return column_.size(); }
 
-  /// The result. Throws std::invalid_argument where the array has another size.
+  /// Returns the result (rows × width()). Throws std::invalid_argument if the array has another size.
   [[nodiscard]] std::vector<double> of(std::span<const double> values) const;
-  /// The same in place, where every row stays where it is.
+  /// Reorders and scales in place, for orders in which every row stays where it is.
   void in_place(std::span<double> values) const;
 
 private:

@@ -16,9 +16,8 @@ Scene::Scene(const std::filesystem::path& file, const std::vector<std::string>& 
 
 std::shared_ptr<const problem::Discretisation> Scene::discretisation() {
   if (scene().mesh.automatic())
-    throw UserError(
-        "mesh.size: found \"auto\", which simulate and optimize of the program choose, allowed is a "
-        "size in m, such as {\"mesh.size\": 0.1}");
+    throw UserError("mesh.size: found \"auto\", which simulate and optimize of the program choose; give a "
+                    "size in m, such as {\"mesh.size\": 0.1}");
   if (!discretisation_) {
     Timers timers;
     discretisation_ = std::make_shared<const problem::Discretisation>(MPI_COMM_WORLD, scene(), timers);
@@ -30,7 +29,7 @@ std::string Scene::text() { return scene::echo(scene(), discretisation()->space.
 
 namespace {
 
-/// A verb of the program for the scene as it was read; returns the exit status.
+/// Runs a verb of the program on the scene as it was read; returns the exit status.
 int run(const Scene& scene, const std::string& verb, const std::filesystem::path& out, bool resume,
         bool replace, bool quiet) {
   app::Request request;

@@ -6,19 +6,19 @@
 
 namespace signorini::python {
 
-/// A scene and, once it is asked for, its mesh.
+/// Scene and, once it is needed, its mesh.
 class Scene final : public Open {
 public:
-  /// Collective. Throws UserError.
+  /// Reads the scene file. Collective. Throws UserError.
   Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides);
   ~Scene() override { drop(release()); }
   std::shared_ptr<const void> release() override { return std::move(discretisation_); }
 
   [[nodiscard]] const app::SceneFile& file() const { return file_; }
   [[nodiscard]] const scene::Scene& scene() const { return file_.scene; }
-  /// Collective the first time. Throws UserError, Interrupted.
+  /// Mesh and spaces, made by the first call, which is collective. Throws UserError, Interrupted.
   std::shared_ptr<const problem::Discretisation> discretisation();
-  /// The scene with every default. Collective the first time. Throws UserError, Interrupted.
+  /// Scene as TOML with every default. Collective the first time. Throws UserError, Interrupted.
   std::string text();
 
 private:

@@ -21,13 +21,13 @@ std::vector<Open*>& all_open() {
   return all;
 }
 
-/// What Python's objects owned, which all ranks are to free in the same order, by their numbers.
+/// Resources of dropped Python objects by the objects' numbers, the order in which all ranks free them.
 std::map<long, std::shared_ptr<const void>>& dropped() {
   static std::map<long, std::shared_ptr<const void>> all;
   return all;
 }
 
-/// Frees what was dropped on all ranks. Collective.
+/// Frees resources that were dropped on all ranks. Collective.
 void free_dropped() {
   std::vector<long> mine;
   for (const auto& [number, owned] : dropped())
@@ -47,8 +47,8 @@ void finish() {
     (void)PetscFinalize();
 }
 
-/// Calls finish() when MPI_Finalize() deletes this attribute; as the eldest it is the last to be deleted,
-/// when PETSc's own are gone.
+/// Registers finish() as the callback on deletion of an MPI attribute. As the oldest attribute it is the last
+/// that MPI_Finalize() deletes, after PETSc's own.
 void finish_with_mpi() {
   constexpr auto on_delete = [](MPI_Comm, int, void*, void*) {
     finish();

@@ -7,40 +7,41 @@
 #include <mutex>
 #include <nanobind/nanobind.h>
 
-/// What the program's main function does around a run, for a library within Python.
+/// Start and end of the libraries, and guards of computations, for a library within Python.
 namespace signorini::python {
 
-/// Starts PETSc, and MPI unless mpi4py has. Then PETSc ends within MPI_Finalize(), which mpi4py calls last:
-/// a rank that fails reaches MPI_Abort() first, and no other one waits for it. Collective.
+/// Starts PETSc, and MPI unless mpi4py has started it. In that case PETSc ends within MPI_Finalize(), which
+/// mpi4py calls last: a rank that fails reaches MPI_Abort() first, and no other one waits for it. Collective.
 void start();
 
-/// At Python's end: takes what all open objects own, so that nothing of it is freed in an order of this rank
-/// alone; ends PETSc, and MPI, if start() began that. Collective only then.
+/// Ends the session as Python exits. Takes the resources of all open objects, so that none is freed in an
+/// order of this rank alone; ends PETSc and MPI if start() started MPI. Collective only in that case.
 void leave();
 
-/// An object of Python that owns objects of MPI and PETSc. To free those is collective, and Python drops its
-/// objects on each rank when it likes: what all ranks have dropped is freed when the next object is made.
+/// Python object that owns objects of MPI and PETSc. Freeing these is collective, but Python drops its
+/// objects on each rank at any time. So objects that all ranks have dropped are freed when the next one is
+/// made.
 class Open {
 public:
-  /// Collective.
+  /// Registers the object and frees those that all ranks have dropped. Collective.
   Open();
   Open(const Open&) = delete;
   Open& operator=(const Open&) = delete;
   virtual ~Open();
-  /// Gives away what it owns.
+  /// Releases the resources that the object owns.
   virtual std::shared_ptr<const void> release() = 0;
-  /// The same on every rank, and larger than those of older objects.
+  /// Number of the object: the same on every rank, and larger than those of older objects.
   [[nodiscard]] long number() const { return number_; }
 
 protected:
-  /// Frees what it owned; on several ranks later.
+  /// Frees resources that the object owned; on several ranks later.
   void drop(std::shared_ptr<const void> owned) const;
 
 private:
   long number_;
 };
 
-/// One computation at a time.
+/// Mutex that admits one computation at a time.
 inline std::mutex& computing() {
   static std::mutex one;
   return one;
@@ -54,7 +55,7 @@ auto alone(Work&& work) {
   return work();
 }
 
-/// Requests a stop if Ctrl-C came before a StopOnInterrupt stood: Python has noted it, and would raise
+/// Requests a stop if Ctrl-C came before a StopOnInterrupt existed: Python has noted it, and would raise
 /// KeyboardInterrupt only after the computation.
 inline void take_earlier_interrupt() {
   const nanobind::gil_scoped_acquire python;

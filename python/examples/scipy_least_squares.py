@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where was the floor, and how steep? A scene's unknowns by SciPy's least squares, on any number of ranks.
+"""Position and slope of a floor: a scene's unknowns by SciPy's least squares, on any number of ranks.
 
     ./dev exec python3 python/examples/scipy_least_squares.py
 """

@@ -3,18 +3,18 @@
 
     import signorini
     scene = signorini.Scene("scenes/half-disc.toml", {"mesh.size": 1})
-    run = scene.simulate()                       # as the program does; its tables, fields and page
+    run = scene.simulate()                       # as the program does; tables, fields and a page
     problem = scene.problem()                    # J of the control: value, derivative, Hessian product
     fit = scene.fit()                            # residuals of a scene's measurements by its unknowns
-    run = signorini.read("results/half-disc")    # of a run made before
+    run = signorini.read("results/half-disc")    # an earlier run
 
-All of it works under `mpirun -n 2 python3 -m mpi4py script.py`, where every rank makes the same calls, in the same
-order; "collective" in a docstring says which calls those are. An exception that one rank does not catch ends all ranks,
-after its message; `-m mpi4py` does so at sys.exit() with another status than 0, too. Ctrl-C stops a sweep after the time
-step that it is at, and raises KeyboardInterrupt.
+The package works under `mpirun -n 2 python3 -m mpi4py script.py`. Every rank makes the calls that docstrings name
+"collective", in the same order. An exception that one rank does not catch ends all ranks, after its message; `-m mpi4py`
+does so at sys.exit() with another status than 0, too. Ctrl-C stops a sweep after the current time step, and raises
+KeyboardInterrupt.
 
-What computes is loaded, and MPI started, when a name of this package is first asked for; the package signorini.post, which
-draws the results of runs, does neither.
+The compiled module is loaded, and MPI started, when a name of this package is first used. The package signorini.post,
+which draws the results of runs, does neither.
 
 Threads may share an object: computations wait for each other. On several ranks one thread makes all collective calls.
 """

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 class Fit:
     """Residuals r(θ) of a scene's measurements by its unknowns θ, for scipy.optimize.least_squares and the like.
 
-    θ has the unknowns' values in the scene's units and order; arrays are whole, and the same on every rank; those that are attributes are read-only. What was
-    computed at the last θ is known: the Jacobian after the residuals makes no motion. All members that take θ are
-    collective, and raise SceneError where the scene is none with these values, SolverFailure, KeyboardInterrupt.
+    θ has the unknowns' values in the scene's units and order. Arrays are whole, and the same on every rank; arrays that are
+    attributes are read-only. Results at the last θ are cached: the Jacobian after the residuals computes no motion. Members
+    that take θ are collective. They raise SceneError if these values are impossible in the scene, SolverFailure, and
+    KeyboardInterrupt.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -30,27 +31,27 @@ class Fit:
 
     @property
     def names(self) -> list[str]:
-        """Of the unknowns. (n)"""
+        """Names of the unknowns. (n)"""
         return self._problem.names
 
     @cached_property
     def start(self) -> np.ndarray:
-        """The values that the scene starts from. (n)"""
+        """Start values of the scene. (n)"""
         return fixed(self._problem.start())
 
     @cached_property
     def lower(self) -> np.ndarray:
-        """Lower bounds, those of the unknowns' nature where the scene gives none. (n)"""
+        """Lower bounds; where the scene gives none, the natural limits of the unknowns. (n)"""
         return fixed(self._problem.lower())
 
     @cached_property
     def upper(self) -> np.ndarray:
-        """Upper bounds. (n)"""
+        """Upper bounds; where the scene gives none, the natural limits of the unknowns. (n)"""
         return fixed(self._problem.upper())
 
     @cached_property
     def measurements(self) -> dict[str, slice]:
-        """Which entries of the arrays below belong to a measurement, by its name."""
+        """Entries of the arrays below that belong to each measurement, by its name."""
         found, first = {}, 0
         for name, count in self._problem.measurements():
             if count:
@@ -60,33 +61,33 @@ class Fit:
 
     @cached_property
     def times(self) -> np.ndarray:
-        """Of all data, s. (values)"""
+        """Times of all data, s. (values)"""
         return fixed(self._problem.times())
 
     @cached_property
     def measured(self) -> np.ndarray:
-        """All data, in SI units. (values)"""
+        """Measured values, in SI units. (values)"""
         return fixed(self._problem.measured())
 
     @cached_property
     def deviations(self) -> np.ndarray:
-        """Their standard deviations. (values)"""
+        """Standard deviations of the measured values, in SI units. (values)"""
         return fixed(self._problem.deviations())
 
     def residuals(self, theta: ArrayLike) -> np.ndarray:
-        """(simulated − measured) / deviation and, after them, those of the priors, by one motion and one linearised one for
-        each unknown. (m)"""
+        """Returns (simulated − measured) / deviation, followed by the residuals of the priors. Computes one motion and one
+        linearised motion for each unknown. (m)"""
         return self._problem.residuals(np.asarray(theta, dtype=float))
 
     def jacobian(self, theta: ArrayLike) -> np.ndarray:
-        """The derivatives of residuals() by θ. (m × n)"""
+        """Returns the derivatives of residuals() by θ. (m × n)"""
         return self._problem.jacobian(np.asarray(theta, dtype=float)).T
 
     def simulated(self, theta: ArrayLike) -> np.ndarray:
-        """What the motion gives of what was measured. (values)"""
+        """Returns the simulated values of the measured quantities. (values)"""
         return self._problem.simulated(np.asarray(theta, dtype=float))
 
     @property
     def sweeps(self) -> int:
-        """Motions made so far, linearised ones included."""
+        """Number of motions computed so far, linearised ones included."""
         return self._problem.sweeps()

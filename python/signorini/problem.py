@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The control problem of a scene, for any optimizer.
 
-u is an array (intervals × values): row j holds the control on time interval j, place by place and, of a place, component
-by component. On several ranks each has its own places, and arrays are local parts. J(u) has
+u is an array (intervals × values): row j is the control on time interval j, place by place and, at a place, component by
+component. On several ranks each has its own places, and arrays are local parts. J(u) has
 
 - a *derivative* dJ(u) (intervals × values), dJ/du by the entries: what SciPy and other optimizers of R^n call the gradient.
   In a change d of the control J changes by the sum of the entries of dJ · d, in first order: `Problem.pairing(dJ, d)`;
-- its *Riesz representative* g in the metric: `metric.product(g, d)` is that same number. It is the field that one looks at,
+- its *Riesz representative* g in the metric: `metric.product(g, d)` is that same number. It is the field to plot,
   and steps along it do not depend on the mesh. `metric.apply_inverse(dJ)` is g.
 
-Without bounds the metric is the product of L2(0,T; L2). With bounds it has the lumped mass matrix in its place, with which
-clipping is the projection; values on cells have a diagonal one anyway.
+Without bounds the metric is the product of L2(0,T; L2). With bounds it has the lumped mass matrix, with which clipping is
+the projection; for values on cells the mass matrix is diagonal anyway.
 """
 
 from __future__ import annotations
@@ -28,28 +28,28 @@ if TYPE_CHECKING:
 
 
 def fixed(values: np.ndarray | None) -> np.ndarray | None:
-    """The values, read-only: an object's own, by which it computes."""
+    """Returns the values read-only, since their object computes with them."""
     if values is not None:
         values.flags.writeable = False
     return values
 
 
 def shaped(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """The values. Raises ValueError where they have another shape."""
+    """Returns the values. Raises ValueError if they have another shape."""
     if np.shape(values) != shape:
         raise ValueError(f"found an array of shape {np.shape(values)}, but this is {shape}")
     return values
 
 
 class Sweeps(NamedTuple):
-    """Sweeps made so far; a linearised one counts as forward."""
+    """Numbers of sweeps so far; a linearised one counts as forward."""
 
     forward: int
     adjoint: int
 
 
 class Parts(NamedTuple):
-    """The parts of J."""
+    """Parts of J."""
 
     tracking: float
     terminal: float
@@ -57,42 +57,43 @@ class Parts(NamedTuple):
 
 
 class Metric:
-    """The product in which the scene's optimizer measures controls, a symmetric positive matrix. All members collective."""
+    """The product in which the scene's optimizer measures controls, a symmetric positive matrix. All members are
+    collective."""
 
     def __init__(self, problem: _signorini.ControlProblem) -> None:
         self._problem = problem
 
     def product(self, u: np.ndarray, w: np.ndarray) -> float:
-        """The product of two controls, over all ranks."""
+        """Returns the product of two controls, over all ranks."""
         return self._problem.inner(u, w)
 
     def apply(self, u: np.ndarray) -> np.ndarray:
-        """Matrix times control: the derivative of half the squared norm. (intervals × values)"""
+        """Returns matrix times control: the derivative of half the squared norm. (intervals × values)"""
         return self._problem.dual(u)
 
     def apply_inverse(self, d: np.ndarray) -> np.ndarray:
-        """The Riesz representative of a derivative, to rounding. (intervals × values)"""
+        """Returns the Riesz representative of a derivative, to rounding. (intervals × values)"""
         return self._problem.riesz(d)
 
     @cached_property
     def diagonal(self) -> np.ndarray | None:
-        """The matrix where it is diagonal, with bounds or values on cells; else None. (intervals × values)"""
+        """Diagonal of the matrix if it is diagonal, with bounds or values on cells; else None. (intervals × values)"""
         return self.weights if self._problem.diagonal else None
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """`diagonal` where there is one, else that of the lumped matrix, which resembles this one on every mesh: scaled by
-        its root, u·√weights, entries measure alike. (intervals × values)"""
+        """`diagonal` if there is one, else that of the lumped matrix, which is near the matrix on every mesh. In entries scaled
+        by its root, u·√weights, the Euclidean product is nearly the metric's. (intervals × values)"""
         return fixed(self._problem.weights())
 
 
 class Problem:
     """J(u) of a scene's control, reduced to the control, with derivatives by adjoint sweeps: see the module's text.
 
-    The motions of the two controls that were looked at last are known: asking for them again makes no sweep. Arrays that
-    methods return own their memory, which is the solver's, not a copy; those that are attributes are read-only. Members that
-    take a control are collective, and raise SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C,
-    ValueError on every rank where one rank's array has another shape, nan or inf.
+    The motions of the last two controls are cached: evaluating them again makes no sweep. Arrays that methods return own
+    their memory, which is the solver's, not a copy; arrays that are attributes are read-only. Members that take a control are
+    collective. They raise SolverFailure if a step has no solution, KeyboardInterrupt at Ctrl-C, and ValueError on every rank
+    if one rank's array has another shape, nan or inf.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -102,27 +103,27 @@ class Problem:
 
     @property
     def comm(self) -> object:
-        """The communicator (mpi4py), of all ranks; None without mpi4py."""
+        """Communicator (mpi4py) of all ranks; None without mpi4py."""
         return WORLD
 
     # --- Controls ---------------------------------------------------------------------------------------
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of a control on this rank: intervals × values."""
+        """Shape of a control on this rank: intervals × values."""
         return self._problem.intervals, self._problem.width
 
     @property
     def size(self) -> int:
-        """Entries of a control on this rank."""
+        """Number of entries of a control on this rank."""
         return self._problem.intervals * self._problem.width
 
     def zero(self) -> np.ndarray:
-        """A control that is zero."""
+        """Returns a control that is zero."""
         return self._problem.zero()
 
     def first_guess(self) -> np.ndarray:
-        """The scene's control.initial, within the bounds. Collective."""
+        """Returns the scene's control.initial, within the bounds. Collective."""
         return self._problem.first_guess()
 
     @cached_property
@@ -137,107 +138,108 @@ class Problem:
 
     @cached_property
     def times(self) -> np.ndarray:
-        """The middle of each interval, s; 0 for a control that is constant in time. (intervals)"""
+        """Middle of each interval, s; 0 for a control that is constant in time. (intervals)"""
         return fixed(self._problem.times())
 
     @cached_property
     def lengths(self) -> np.ndarray:
-        """Of the intervals, s."""
+        """Lengths of the intervals, s. (intervals)"""
         return fixed(self._problem.lengths())
 
     @cached_property
     def points(self) -> np.ndarray:
-        """Where the control has values: nodes, or middles of cells, of the undeformed body, m. (places × dim)"""
+        """Places of the control's values: nodes, or middles of cells, of the undeformed body, m. (places × dim)"""
         return fixed(self._problem.points())
 
     @property
     def components(self) -> str:
-        """In which it acts, such as "xy": u.reshape(len(times), len(points), len(components))."""
+        """Components in which the control acts, such as "xy": u.reshape(len(times), len(points), len(components))."""
         return "".join("xyz"[one] for one in self._problem.components)
 
     # --- J and its derivatives ------------------------------------------------------------------------
 
     def value(self, u: np.ndarray) -> float:
-        """J(u), by a forward sweep."""
+        """Returns J(u), by a forward sweep."""
         return self._problem.value(u)
 
     def value_and_gradient(self, u: np.ndarray) -> tuple[float, np.ndarray]:
-        """J(u) and its *derivative* by the entries of u (intervals × values), by a forward and an adjoint sweep."""
+        """Returns J(u) and its *derivative* by the entries of u (intervals × values), by a forward and an adjoint sweep."""
         return self._problem.value_and_derivative(u)
 
     def gradient(self, u: np.ndarray) -> np.ndarray:
-        """The derivative alone."""
+        """Returns the derivative of value_and_gradient() alone. (intervals × values)"""
         return self.value_and_gradient(u)[1]
 
     def representative(self, u: np.ndarray) -> np.ndarray:
-        """The gradient as a control: the Riesz representative of the derivative in the metric."""
+        """Returns the gradient as a control: the Riesz representative of the derivative in the metric."""
         return self._problem.representative(u)
 
     def riesz(self, derivative: np.ndarray) -> np.ndarray:
-        """The Riesz representative of a derivative in the metric."""
+        """Returns the Riesz representative of a derivative in the metric."""
         return self._problem.riesz(derivative)
 
     def hessian_product(self, u: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """The second derivative of J at u in the direction d, as a derivative (intervals × values), with the active sets of u's
-        motion: by a linearised and an adjoint sweep. J is smooth where no small change of u changes these sets."""
+        """Returns the second derivative of J at u in the direction d, as a derivative (intervals × values). A linearised and an
+        adjoint sweep have the active sets of u's motion; J is smooth where no small change of u changes these."""
         return self._problem.hessian_product(u, d)
 
     def pairing(self, derivative: np.ndarray, d: np.ndarray) -> float:
-        """What a derivative says of a change d of the control: the sum of all products of entries, over all ranks."""
+        """Returns the first-order change of J by a change d of the control: the sum of all products of entries, over all ranks."""
         return float(sum(of_all(float(np.vdot(shaped(derivative, self.shape), shaped(d, self.shape))))))
 
     def parts(self, u: np.ndarray) -> Parts:
-        """The parts of J(u)."""
+        """Returns the parts of J(u)."""
         return Parts(*self._problem.parts(u))
 
     # --- The motion ------------------------------------------------------------------------------------
 
     @cached_property
     def step_times(self) -> np.ndarray:
-        """The times of the states, s. (steps + 1)"""
+        """Times of the states, s. (steps + 1)"""
         return fixed(self._problem.step_times())
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """The nodes of this rank in the undeformed body, m. (nodes × dim)"""
+        """Nodes of this rank in the undeformed body, m. (nodes × dim)"""
         return fixed(self._problem.nodes())
 
     def states(self, u: np.ndarray) -> np.ndarray:
-        """The displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""
+        """Returns the displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""
         return self._problem.displacements(u, 0, self._problem.steps + 1)
 
     def displacement(self, u: np.ndarray, step: int) -> np.ndarray:
-        """The displacement after a step, 0 being the start, m. (nodes × dim)"""
+        """Returns the displacement after a step, 0 being the start, m. (nodes × dim)"""
         if not 0 <= step <= self._problem.steps:
-            raise IndexError(f"step: found {step}, allowed are 0 to {self._problem.steps}")
+            raise IndexError(f"step: found {step}; expected 0 to {self._problem.steps}")
         return self._problem.displacements(u, step, 1)[0]
 
     def active(self, u: np.ndarray) -> np.ndarray:
-        """How many candidates of the whole body are in contact at the step_times; none counts at the start. (steps + 1)"""
+        """Returns the number of candidates of the whole body in contact at the step_times; 0 at the start. (steps + 1)"""
         return np.array(self._problem.active(u), dtype=int)
 
-    # --- What it costs ---------------------------------------------------------------------------------
+    # --- Costs ------------------------------------------------------------------------------------------
 
     @property
     def sweeps(self) -> Sweeps:
-        """Sweeps made so far."""
+        """Numbers of sweeps so far."""
         return Sweeps(*self._problem.sweeps())
 
     @property
     def timings(self) -> dict[str, tuple[float, int]]:
-        """Seconds and calls of the phases of the computation on this rank, as in run.json, each without those in it."""
+        """Seconds and calls of the phases of the computation on this rank, as in run.json; a phase excludes those within it."""
         return self._problem.timings()
 
     @property
     def sweep_seconds(self) -> float:
-        """Seconds of the solver's own work in value() and value_and_gradient() so far; what calls take more is Python's and the arrays'."""
+        """Seconds of the solver's own work in value() and value_and_gradient() so far; the rest of the calls' time is spent on arrays
+        and in Python."""
         return self._problem.seconds
 
     # --- Several ranks ---------------------------------------------------------------------------------
 
     @cached_property
     def _order(self) -> np.ndarray:
-        """Which of the values of all ranks, one after another, stands where in a whole row: by place, not by rank."""
+        """Numbers, in the order of a whole row (by place, not by rank), of the values of all ranks one after another."""
         points = np.concatenate(of_all(self.points))
         extent = np.ptp(points, axis=0).max(initial=0) or 1
         places = np.lexsort(np.round(points / extent, 9).T[::-1])
@@ -246,31 +248,31 @@ class Problem:
 
     @cached_property
     def _widths(self) -> np.ndarray:
-        """Values of an interval, of each rank."""
+        """Number of values of an interval on each rank."""
         return np.array(of_all(self.shape[1]))
 
     @property
     def _size_of_all(self) -> int:
-        """Entries of a control on all ranks."""
+        """Number of entries of a control on all ranks."""
         return self.shape[0] * len(self._order)
 
     @cached_property
     def _of_whole(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where the places of this rank's part begin in a row of a whole control, and how far it is to the next row."""
+        """Starts of this rank's places in a row of a whole control, and distances to the next row."""
         first = sum(self._widths[:RANK])
         own = np.argsort(self._order)[first : first + self.shape[1] : len(self.components)]
         return own, np.full_like(own, len(self._order))
 
     @cached_property
     def _of_ranks(self) -> tuple[np.ndarray, np.ndarray]:
-        """The same of a whole control's places in the controls of all ranks, one after another."""
+        """Starts of a whole control's places in the controls of all ranks, one after another, and distances to the next row."""
         first = np.concatenate([[0], np.cumsum(self._widths)])
         places = self._order[:: len(self.components)]
         rank = np.searchsorted(first, places, side="right") - 1
         return self.shape[0] * first[rank] + places - first[rank], self._widths[rank]
 
     def _rows(self, places: tuple[np.ndarray, np.ndarray], row: np.ndarray | None, column: np.ndarray | None) -> _signorini.Rows:
-        """Takes these places of arrays of all ranks' values, times a factor of each row and of each column."""
+        """Returns the order that takes these places of arrays of all ranks' values, times a factor of each row and of each column."""
         width = len(places[0]) * len(self.components)
         row = np.ones(self.shape[0]) if row is None else row
         return _signorini.Rows(self._size_of_all, *places, row, np.ones(width) if column is None else column)
@@ -282,7 +284,7 @@ class Problem:
         return self._rows(self._of_whole, row, column)
 
     def _of_all(self, u: np.ndarray) -> np.ndarray:
-        """The controls of all ranks, one after another."""
+        """Returns the controls of all ranks, one after another."""
         values = np.ascontiguousarray(shaped(u, self.shape), dtype=float)
         if RANKS == 1:
             return values
@@ -291,24 +293,24 @@ class Problem:
         return everyone
 
     def gather(self, u: np.ndarray) -> np.ndarray:
-        """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
-        whatever the number of ranks."""
+        """Returns a whole control or derivative (intervals × all values) on every rank, with places in the order of their coordinates
+        for any number of ranks."""
         return self._to_whole().of(self._of_all(u))
 
     def scatter(self, whole: np.ndarray) -> np.ndarray:
-        """This rank's part of a whole control, gather()'s inverse."""
+        """Returns this rank's part of a whole control: the inverse of gather()."""
         return self._to_own().of(shaped(whole, (self.shape[0], len(self._order))))
 
     def replicated(self) -> Replicated:
-        """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
+        """Returns the problem in vectors that are whole on every rank, for optimizers without support of ranks."""
         return Replicated(self)
 
 
 class Replicated:
     """A control problem in vectors x of R^n, the same on every rank, for an optimizer that every rank runs alike, such as
-    SciPy's. The order of entries does not depend on the number of ranks; they are scaled by the root of the metric's
-    weights, x = √w·u, so that the Euclidean product is the metric's, or nearly, and iterations do not depend on the mesh.
-    All members collective; they raise as Problem's.
+    SciPy's. The order of entries does not depend on the number of ranks. Entries are scaled by the root of the metric's
+    weights, x = √w·u: the Euclidean product is the metric's, or nearly, and iterations do not depend on the mesh. All members
+    are collective, and raise the errors of Problem's.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -322,25 +324,25 @@ class Replicated:
 
     @property
     def size(self) -> int:
-        """n."""
+        """Number n of entries of x."""
         return self.problem._size_of_all
 
     def vector(self, u: np.ndarray) -> np.ndarray:
-        """x of a control. (n)"""
+        """Returns the vector x of a control. (n)"""
         return self._vectors.of(self.problem._of_all(u)).ravel()
 
     def control(self, x: np.ndarray) -> np.ndarray:
-        """The control of x, this rank's part. (intervals × values)"""
+        """Returns the control of x, this rank's part. (intervals × values)"""
         return self._controls.of(shaped(x, (self.size,)))
 
     @property
     def start(self) -> np.ndarray:
-        """x of the first guess. (n)"""
+        """Vector x of the first guess. (n)"""
         return self.vector(self.problem.first_guess())
 
     @property
     def bounds(self) -> list[tuple[float, float]] | None:
-        """For scipy.optimize: lower and upper bound of each entry; None without."""
+        """Lower and upper bound of each entry, as scipy.optimize takes them; None without."""
         lower, upper = self.problem.lower, self.problem.upper
         if lower is None and upper is None:
             return None
@@ -348,20 +350,20 @@ class Replicated:
         return list(zip(*sides, strict=True))
 
     def value(self, x: np.ndarray) -> float:
-        """J."""
+        """Returns J at x."""
         return self.problem._problem.value(x, self._controls)
 
     def value_and_gradient(self, x: np.ndarray) -> tuple[float, np.ndarray]:
-        """J and its gradient by x. (n)"""
+        """Returns J and its gradient by x. (n)"""
         value, derivative = self.problem._problem.value_and_derivative(x, self._controls)
         return value, self._by_x(derivative)
 
     def hessian_product(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """The Hessian at x times d, with the active sets there. (n)"""
+        """Returns the Hessian at x times d, with the active sets there. (n)"""
         return self._by_x(self.problem._problem.hessian_product(x, d, self._controls))
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
-        """The derivative by x of one by u, whose memory it takes. (n)"""
+        """Returns the derivative by x of one by u; takes the memory of the latter. (n)"""
         if RANKS > 1:
             return self._derivatives.of(self.problem._of_all(derivative)).ravel()
         self._derivatives.in_place(derivative)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the package signorini offers, and MPI, which starts when this module is imported."""
+"""Public names of the package signorini. Importing this module starts MPI."""
 
 import atexit
 
 from . import _signorini
 
-_signorini.require_temporary_folder()  # before MPI starts, which would crash
+_signorini.require_temporary_folder()  # before MPI starts, which would crash without one
 try:
     from mpi4py import MPI as _MPI  # starts MPI, and ends it after PETSc
 except ImportError:  # then the module does both
@@ -18,7 +18,7 @@ SceneError = _signorini.SceneError
 SolverFailure = _signorini.SolverFailure
 for _error in (SceneError, SolverFailure):
     _error.__module__ = __package__
-SceneError.__doc__ = "The scene, the mesh, an override or a folder is wrong: what, where, what was found, what is allowed."
+SceneError.__doc__ = "The scene, the mesh, an override or a folder is wrong: what, where, what was found, what to do."
 SolverFailure.__doc__ = "A solver failed: at which step, why, with which residual."
 
 from .fit import Fit  # noqa: E402
@@ -33,5 +33,5 @@ _end_all_at_exceptions()
 
 
 def versions() -> str:
-    """Those of signorini and of its main libraries."""
+    """Versions of signorini and of its main libraries."""
     return _signorini.versions()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run left in its folder: tables, fields, its page. The files are read as signorini.post reads them, when asked for."""
+"""Results of a run in its folder: tables, fields, its page. Files are read when first used, by signorini.post."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 
 def read(folder: str | os.PathLike) -> Run:
-    """The run whose results are in a folder. Raises SceneError."""
+    """Returns the run whose results are in a folder. Raises SceneError."""
     return Run(Path(folder).absolute())
 
 
 class Run:
-    """A run's folder. Tables are DataFrames if pandas is installed, else structured arrays; columns and units are those of the
-    page "Files and columns". Files are read when they are asked for. Raises SceneError for what the run did not write, for
-    damaged files, and for what was not read before another run replaced it."""
+    """Results of a run in its folder. Tables are DataFrames if pandas is installed, else structured arrays; columns and units
+    are those of the page "Files and columns". Files are read when first used. Raises SceneError for files that the run did
+    not write, that are damaged, or that another run replaced before they were read."""
 
-    _scratch = None  # a scratch folder, which is gone with this object
+    _scratch = None  # a scratch folder, which is removed with this object
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -47,7 +47,7 @@ class Run:
             self._manifest = None if self._stamp is None else self._run.manifest
 
     def _manifest_bytes(self) -> bytes | None:
-        """run.json, which is another for every run and absent while one is put in place; None without."""
+        """Content of run.json, which differs for every run; None without, as while a new one is put in place."""
         try:
             return (self.folder / "run.json").read_bytes()
         except OSError:
@@ -55,7 +55,7 @@ class Run:
 
     @contextlib.contextmanager
     def _told(self) -> Iterator[None]:
-        """The sentences of signorini.post as the package's errors. Raises SceneError where what was read is another run's."""
+        """Turns errors of signorini.post into SceneError. Raises SceneError, too, if the files are another run's by now."""
         try:
             yield
         except (_files.NotInRun, _files.Unreadable) as error:
@@ -72,12 +72,12 @@ class Run:
 
     @property
     def warnings(self) -> list[str]:
-        """What makes the results mean less than they seem to, in sentences."""
+        """Warnings about the reliability of the results, in sentences."""
         return [one["message"] for one in self.manifest.get("warnings", [])]
 
     @property
     def manifest(self) -> dict:
-        """run.json."""
+        """Content of run.json."""
         with self._told() if self._manifest is None else contextlib.nullcontext():
             return self._run.manifest
 
@@ -109,7 +109,7 @@ class Run:
 
     @cached_property
     def obstacles(self) -> Table:
-        """obstacles.csv: of every step and obstacle."""
+        """obstacles.csv: forces and contact of every step and obstacle."""
         return self.table("obstacles")
 
     @cached_property
@@ -124,16 +124,16 @@ class Run:
 
     @cached_property
     def measurements(self) -> Table:
-        """measurements.csv: what was measured beside what the fitted scene gives."""
+        """measurements.csv: measured values beside those of the fitted scene."""
         return self.table("measurements")
 
     @cached_property
     def probes(self) -> Table:
-        """probes.csv: what the scene follows, of every step."""
+        """probes.csv: the probes of the scene at every step."""
         return self.table("probes")
 
     def table(self, name: str) -> Table:
-        """A table by the name of its file, without .csv."""
+        """Returns a table by the name of its file, without .csv."""
         with self._told():
             text = self._run.read(f"{name}.csv", _files.whole_text)
         try:
@@ -145,8 +145,8 @@ class Run:
     # --- Fields ------------------------------------------------------------------------------------------
 
     def field(self, name: str, file: str | None = None) -> Field:
-        """A field over time, such as "displacement", "velocity", "control", "adjoint". `file`: which of the .xdmf files it is in,
-        without that ending; by default the one that has it."""
+        """Returns a field over time, such as "displacement", "velocity", "control", "adjoint". `file`: name of its .xdmf file,
+        without that ending; by default the file that has it."""
         files = [file] if file else ["state", name, "control", "adjoint"]
         for stem in files:
             path = f"{stem}.xdmf"
@@ -161,7 +161,7 @@ class Run:
 
     @cached_property
     def mesh(self) -> object:
-        """The mesh of its fields: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers), undeformed."""
+        """Mesh of the run's fields: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers), undeformed."""
         for stem in ("state", "control", "adjoint"):
             if (self.folder / f"{stem}.xdmf").is_file():
                 with self._told():
@@ -171,7 +171,7 @@ class Run:
     # --- Page --------------------------------------------------------------------------------------------
 
     def report(self) -> Path:
-        """The page of the run, report.html, which is made on rank 0 if it is not there. Collective."""
+        """Returns the path of the run's page, report.html, which rank 0 makes if it is missing. Collective."""
         with self._told():
             page, failure = self.folder / "report.html", None
         if RANK == 0 and not page.is_file():
@@ -182,7 +182,7 @@ class Run:
         return page
 
     def show(self, height: int = 900) -> object:
-        """The page in a notebook, `height` pixels high."""
+        """Returns the page for a notebook, `height` pixels high."""
         return Page(self.report().read_text(encoding="utf-8"), height)
 
     def _repr_html_(self) -> str:
@@ -200,8 +200,8 @@ class Page:
 
 
 class Field:
-    """A field over time. Values are read from the file when they are asked for: field[3] those of one stored time, field.values
-    all of them (times × nodes or cells × components; of strain and stress times × cells × 3 × 3)."""
+    """A field over time. Values are read from the file when used: field[3] has those of one stored time, field.values all of them
+    (times × nodes or cells × components; of strain and stress times × cells × 3 × 3)."""
 
     def __init__(self, name: str, run: Run, series: object) -> None:
         self.name = name
@@ -213,7 +213,7 @@ class Field:
 
     @property
     def mesh(self) -> object:
-        """Its mesh: `points` and `cells`."""
+        """Mesh of the field: `points` and `cells`."""
         return self._series.mesh
 
     @property
@@ -230,7 +230,7 @@ class Field:
         return len(self._series.times)
 
     def __getitem__(self, index: int) -> np.ndarray:
-        """The values at times[index]. (nodes or cells × components, of a tensor × 3 × 3)"""
+        """Returns the values at times[index]. (nodes or cells × components, of a tensor × 3 × 3)"""
         with self._run._told():
             return self._series.values(range(len(self))[index])
 

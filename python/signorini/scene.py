@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes, and what can be done with one."""
+"""Scenes: their motions, searches, checks and problems."""
 
 import math
 import os
@@ -20,8 +20,8 @@ DONE, CHECK_FAILED, SOLVER_FAILED, INTERRUPTED = 0, 1, 3, 130  # exit statuses o
 
 
 class Scene:
-    """A scene file, with overrides: `Scene("half-disc.toml", {"mesh.size": 1})`. The file is read here, and relative paths are
-    followed from its folder: later changes of the file or of the current folder change nothing.
+    """A scene file, with overrides: `Scene("half-disc.toml", {"mesh.size": 1})`. The file is read at once, and
+    relative paths start from its folder: later changes of the file or of the current folder have no effect.
 
     An override's key is that of the program's --set, such as "contact.obstacle.point" or "material.0.young"; its value is
     a bool, a number, a text, a path, a list or array, or, for a whole table, a dict. Collective. Raises SceneError.
@@ -41,42 +41,42 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """That of the file, without its extension."""
+        """Name of the file without its extension."""
         return self._scene.name
 
     @cached_property
     def text(self) -> str:
-        """The scene as TOML with overrides and every default written out. Makes the mesh, of which some defaults depend, once.
-        Collective. Raises SceneError."""
+        """The scene as TOML with overrides and every default written out. The first access makes the mesh, on which some
+        defaults depend. Collective. Raises SceneError."""
         return self._scene.text()
 
     def simulate(self, out: str | os.PathLike | None = None, *, quiet: bool = True, replace: bool = False) -> Run:
-        """Makes the scene's motion, as the program's verb does, and returns the run.
+        """Computes the scene's motion, as the program's verb does, and returns the run.
 
-        `out`: the folder for its files; without, a scratch folder that is gone with the run. `replace`: remove what a search
-        left in `out`. Collective. Raises SceneError, SolverFailure, OSError where `out` cannot be written, and KeyboardInterrupt
-        at Ctrl-C, after the part of the motion that was made has been written.
+        `out`: the folder for its files; by default a scratch folder that is removed with the run. `replace`: remove the results
+        of a search in `out`. Collective. Raises SceneError, SolverFailure, OSError if `out` cannot be written, and
+        KeyboardInterrupt at Ctrl-C, after the computed part of the motion has been written.
         """
         return self._run("simulate", out, quiet, replace=replace)
 
     def optimize(self, out: str | os.PathLike | None = None, *, quiet: bool = True, resume: bool = False) -> Run:
         """Solves the scene's control problem, or fits its unknowns, by the optimizer of the scene, and returns the run.
 
-        `resume`: go on where a search in `out` was stopped. Else as simulate().
+        `resume`: continue a search that was stopped in `out`. Other options and errors are those of simulate().
         """
         return self._run("optimize", out, quiet, resume=resume)
 
     def check(self, *, quiet: bool = True) -> bool:
-        """Whether derivatives and discrete invariants hold on this scene; prints a table unless `quiet`. Collective. Raises
+        """Whether derivatives and discrete invariants are correct on this scene; prints a table unless `quiet`. Collective. Raises
         SceneError, SolverFailure, KeyboardInterrupt."""
         return self._status("check", Path(), quiet) == DONE
 
     def problem(self) -> Problem:
-        """The control problem: J and its derivatives. Collective. Raises SceneError, SolverFailure, KeyboardInterrupt."""
+        """Returns the control problem: J and its derivatives. Collective. Raises SceneError, SolverFailure, KeyboardInterrupt."""
         return Problem(self)
 
     def fit(self) -> Fit:
-        """The unknowns and measurements as a least-squares problem. Collective. Raises SceneError, KeyboardInterrupt."""
+        """Returns the unknowns and measurements as a least-squares problem. Collective. Raises SceneError, KeyboardInterrupt."""
         return Fit(self)
 
     def _status(self, verb: str, out: Path, quiet: bool, resume: bool = False, replace: bool = False) -> int:
@@ -99,7 +99,7 @@ class Scene:
 
 
 def toml(value: object) -> str:
-    """A value as TOML on one line."""
+    """Returns a value as TOML on one line."""
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     if isinstance(value, bool):
@@ -114,9 +114,9 @@ def toml(value: object) -> str:
         return "{ " + ", ".join(f"{toml(str(key))} = {toml(entry)}" for key, entry in value.items()) + " }"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(toml, value)) + "]"
-    raise TypeError(f"found an override of type {type(value).__name__}, allowed are bools, numbers, texts, paths, lists and dicts")
+    raise TypeError(f"found an override of type {type(value).__name__}; expected a bool, number, text, path, list or dict")
 
 
 def escaped(letter: str) -> str:
-    """A letter within a text of TOML."""
+    """Returns a letter as it stands within a text of TOML."""
     return f"\\u{ord(letter):04x}" if letter in '"\\\x7f' or letter < " " else letter

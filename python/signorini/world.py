@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the ranks of MPI_COMM_WORLD, on which everything runs, tell each other; nothing of it needs mpi4py on one."""
+"""Exchange among the ranks of MPI_COMM_WORLD, on which everything runs; one rank alone does not need mpi4py."""
 
 import sys
 from types import TracebackType
@@ -22,17 +22,17 @@ T = TypeVar("T")
 
 
 def from_root(value: T) -> T:
-    """What rank 0 has. Collective."""
+    """Returns the value of rank 0. Collective."""
     return WORLD.bcast(value) if RANKS > 1 else value
 
 
 def of_all(value: T) -> list[T]:
-    """What each has. Collective."""
+    """Returns the values of all ranks. Collective."""
     return WORLD.allgather(value) if RANKS > 1 else [value]
 
 
 def end_all_at_exceptions() -> None:
-    """From now on an exception that nobody catches ends all ranks, which would wait for this one for ever."""
+    """Makes an exception that is not caught end all ranks; otherwise the others would wait for this one for ever."""
     if RANKS == 1:
         return
     report = sys.excepthook
@@ -48,6 +48,6 @@ def end_all_at_exceptions() -> None:
 
 
 def wait() -> None:
-    """Until every rank is here. Collective."""
+    """Waits for all ranks. Collective."""
     if RANKS > 1:
         WORLD.Barrier()

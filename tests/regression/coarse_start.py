@@ -142,7 +142,7 @@ def of_another_mesh(folder: Path) -> None:
     signorini("optimize", BLOCK, scene, **linear, mesh__file=str(geo), optimizer__max_iterations=0)
     from_there = {"control__initial": {"run": str(scene)}, "mesh__size": 0.13}
     geo.write_text(geo.read_text().replace("{1, 1, 0}", "{1, 1.1, 0}"))
-    for text in ("whose file has changed since", "cannot be made again"):
+    for text in ("whose file has changed since", "cannot be regenerated"):
         refused = attempt("simulate", BLOCK, again, **from_there)
         assert refused.returncode == 2 and "control.initial.run: " in refused.stderr and text in refused.stderr, refused.stderr
         geo.unlink(missing_ok=True)

@@ -89,7 +89,7 @@ def options_where_they_work() -> None:
     for verb in ("simulate", "check", "info", "study"):
         assert "--resume" not in ok(verb, "--help")
         done = captured([str(SIGNORINI), verb, str(BLOCK), "--resume"])
-        assert done.returncode == 2 and f"--resume: found with {verb}, allowed is optimize" in done.stderr, done.stderr
+        assert done.returncode == 2 and f"--resume: {verb} writes no checkpoints; use it with optimize" in done.stderr, done.stderr
     done = captured([str(SIGNORINI), "optimize", str(BLOCK), "--replac"])
     assert done.returncode == 2 and "--replace" not in done.stderr and "--resume" in done.stderr, done.stderr
     print("--resume is an option of optimize alone")
@@ -122,7 +122,7 @@ def echo_goes_home(folder: Path) -> None:
     assert (place / "results" / "scene" / "run.json").exists()
     (home / "scene.toml").write_text("# edited\n" + (home / "scene.toml").read_text())
     done = captured([str(SIGNORINI), "simulate", str(home / "scene.toml")], cwd=place)
-    assert done.returncode == 2 and "the scene itself" in done.stderr, done.stderr
+    assert done.returncode == 2 and "its own scene file" in done.stderr, done.stderr
     print("the echo of a run is run again in its own folder")
 
 

@@ -52,7 +52,7 @@ def scene_of_the_users(folder: Path) -> None:
     before = content(mine)
     for verb in ("simulate", "optimize"):
         for ranks in (1, 2):
-            refuses(run(verb, Path("scene.toml"), ".", ranks=ranks, cwd=mine), "scene.toml", "allowed is")
+            refuses(run(verb, Path("scene.toml"), ".", ranks=ranks, cwd=mine), "scene.toml", "choose another folder")
             assert content(mine) == before
     out = folder / "echo"
     assert run("optimize", mine / "scene.toml", out).returncode == 0
@@ -60,7 +60,7 @@ def scene_of_the_users(folder: Path) -> None:
     edited = out / "scene.toml"
     edited.write_text("# my own\n" + edited.read_text())
     before = content(out)
-    refuses(run("optimize", edited, out), "the scene itself")
+    refuses(run("optimize", edited, out), "its own scene file")
     assert content(out) == before
     print("the scene that is run is not replaced, unless it is the echo of a run")
 
@@ -82,7 +82,7 @@ def files_of_the_users(folder: Path) -> None:
             if verb == "study":
                 (out / "run.json").unlink()
             before = content(out)
-            refuses(run(verb, HALF_DISC, out, ranks=ranks), name if verb == "study" else "/", "which no run in that folder wrote")
+            refuses(run(verb, HALF_DISC, out, ranks=ranks), name if verb == "study" else "/", "was not written by a run in that folder")
             assert content(out) == before
     # What another run's list leaves out is not its own, though it stands in its folder.
     out = folder / "listed"
@@ -96,7 +96,7 @@ def files_of_the_users(folder: Path) -> None:
     assert sorted(json.loads((out / "run.json").read_text())["files"]) == sorted(path.name for path in out.iterdir())
     before = content(out)
     for ranks in (1, 2):
-        refuses(run("simulate", HALF_DISC, out, ranks=ranks), "found an optimum", f"--out {out}-simulate", "--replace")
+        refuses(run("simulate", HALF_DISC, out, ranks=ranks), " has an optimum", f"--out {out}-simulate", "--replace")
         assert content(out) == before
     assert run("simulate", HALF_DISC, out, "--replace").returncode == 0
     assert (out / "checkpoint.h5").exists() and not (out / "control.h5").exists()

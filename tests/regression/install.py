@@ -72,7 +72,7 @@ def fails_in_a_sentence(prefix: Path, folder: Path) -> None:
     empty = folder / "empty"
     empty.mkdir()
     said = run(program, "report", folder, status=2, env=ENV | {"PATH": str(empty)}).stderr
-    assert said.startswith("signorini: report: found no python3 ") and said.count("\n") == 1, said
+    assert said.startswith("signorini: report: no python3 on PATH ") and said.count("\n") == 1, said
     (empty / "python3").symlink_to(shutil.which("python3"))
     said = run(program, "report", folder, status=2, env=ENV | {"PYTHONPATH": str(without(folder, "jinja2"))}).stderr
     assert said.startswith("signorini report: found no Python package jinja2 ") and said.count("\n") == 1, said

@@ -1012,7 +1012,7 @@ def accepted_keys() -> set[str]:
     def allowed(scene: Path, path: tuple[str, ...]) -> set[str]:
         refused = attempt("info", scene, **{"__".join((*path, "nonsense")): 1})
         assert refused.returncode == 2 and "nonsense: unknown key" in refused.stderr, refused.stderr
-        return {plain((*path, name)) for name in refused.stderr.strip().rsplit("allowed here: ")[1].split(", ")}
+        return {plain((*path, name)) for name in refused.stderr.strip().rsplit("keys here: ")[1].split(", ")}
 
     with ThreadPoolExecutor(WORKERS) as workers:
         # A key that may be a table or a value is both.
@@ -1040,7 +1040,7 @@ def choices(run: Run) -> Iterator[tuple[str, list[str]]]:
     texts = [path for path in leaves(run.echo) if isinstance(get(run.echo, path), str)]
     with ThreadPoolExecutor(WORKERS) as workers:
         for path, message in zip(texts, workers.map(refused, texts)):
-            if match := re.search(r"allowed: (.*)", message):
+            if match := re.search(r"choices: (.*)", message):
                 yield plain(path), match[1].split(", ")
 
 

@@ -53,7 +53,7 @@ def overwritten(folder: Path) -> None:
     run("simulate", file, "--measure", "--seed", "0", "--set", "material.young=50")
     first = (folder / "data.csv").read_bytes()
     assert len(table(folder / "data.csv")["value"]) == STEPS and (folder / "data.csv.measured").is_file()
-    assert "is there already and stays as it is: a fit takes these data" in run("simulate", file, "--measure", "--quiet", status=2)
+    assert "exists and stays as it is, since a fit may use it" in run("simulate", file, "--measure", "--quiet", status=2)
     for ranks, seed in ((1, "1"), (2, "2")):
         run("simulate", file, "--measure", "--replace", "--seed", seed, ranks=ranks)
         assert (folder / "data.csv").read_bytes() != first

@@ -276,7 +276,7 @@ def fits_beside_runs(folder: Path) -> None:
     assert done.returncode == 0 and not done.stderr and done.stdout.startswith(expected), done.stdout + done.stderr
     assert (longer / "figures" / "convergence.png").stat().st_size > 5000
     for words, said in (((other,), f"{other}: found a run of simulate without history.csv; plot shows the convergence of signorini optimize"),
-                        ((longer, "--threads", "0"), "--threads: found 0, allowed are 1 to 1024")):  # fmt: skip
+                        ((longer, "--threads", "0"), "--threads: found 0; expected 1 to 1024")):  # fmt: skip
         done = subprocess.run([str(SIGNORINI), "plot", *map(str, words)], capture_output=True, text=True, timeout=100)
         assert done.returncode == 2 and not done.stdout and done.stderr.startswith(f"signorini plot: {said}") and done.stderr.count("\n") == 1, done.stderr
 

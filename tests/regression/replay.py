@@ -128,14 +128,14 @@ def without_a_checkpoint(folder: Path) -> None:
     some = {"optimizer__max_iterations": 2, "output__every": 7, "optimizer__checkpoint": 0}
     between = "found no step stored between"
     signorini("optimize", BLOCK, out, **some)
-    for setting, text in (({}, f"{between} 0 and 0.02 s, whose control is thus not known, and checkpoint.h5 is of another run"),
-                          ({"control__constant_in_time": True}, "found a control that changes in time, allowed is one that is constant"),
+    for setting, text in (({}, f"{between} 0 and 0.02 s, and checkpoint.h5 is of another run"),
+                          ({"control__constant_in_time": True}, "found a control that changes in time; use one that is constant"),
                           ({"control__step": 0.3}, between)):  # fmt: skip
         refused = attempt("simulate", BLOCK, again, **start, **setting)
         assert refused.returncode == 2 and "control.h5: " in refused.stderr and text in refused.stderr, (setting, refused.stderr)
     (out / "checkpoint.h5").unlink()
     refused = attempt("simulate", BLOCK, again, 2, **start)
-    assert refused.returncode == 2 and "and there is no checkpoint.h5; allowed" in refused.stderr, refused.stderr
+    assert refused.returncode == 2 and "and there is no checkpoint.h5; use" in refused.stderr, refused.stderr
     for setting in ({"control__constant_in_time": True}, {"control__step": 0.2}):  # within each interval a step is stored
         signorini("optimize", BLOCK, out, **some, **setting)
         for ranks in (1, 2):
@@ -155,7 +155,7 @@ def without_a_checkpoint(folder: Path) -> None:
     with h5py.File(killed / "checkpoint.h5", "a") as file:  # that of a fit has none
         del file["u"]
     refused = attempt("simulate", BLOCK, again, 2, control__initial={"run": str(killed)})
-    assert refused.returncode == 2 and "checkpoint.h5 is of a search without a control; allowed" in refused.stderr, refused.stderr
+    assert refused.returncode == 2 and "checkpoint.h5 is of a search without a control; use" in refused.stderr, refused.stderr
     print("without a checkpoint of its own a run's control is read from its fields")
 
 
@@ -181,10 +181,10 @@ def of_another_kind(folder: Path) -> None:
         ("top", {"control__on": "left"}, 'found a control on "top", this scene\'s acts on "left"'),
         ("top", {}, 'found a control on "top", this scene\'s acts on the body'),
         ("xy", {"control__scale": 1e3}, "found a control with control.scale = 1, this scene has 1000"),
-        ("xy", {"mesh__file": str(far)}, "found a control on a set up to 100 m away"),
-        ("top", {"mesh__file": str(far), "control__on": "top"}, "found a control on a set up to 100 m away"),
-        ("wide", {}, "found a control on a set up to 2 m away"),
-        ("xy", {"mesh__file": str(wide)}, "found a control on a set up to 2 m away"),
+        ("xy", {"mesh__file": str(far)}, "found a control up to 100 m from this scene"),
+        ("top", {"mesh__file": str(far), "control__on": "top"}, "found a control up to 100 m from this scene"),
+        ("wide", {}, "found a control up to 2 m from this scene"),
+        ("xy", {"mesh__file": str(wide)}, "found a control up to 2 m from this scene"),
     )):  # fmt: skip
         for ranks in (1, 2) if number in (0, 6) else (1,):
             refused = attempt("simulate", BLOCK, folder / "refused", ranks, control__initial={"run": str(optimum[name])}, **free, **settings)

@@ -200,7 +200,7 @@ def main() -> int:
         (folder / "empty").mkdir()
         refused(folder / "empty", "neither a run nor a study")
         around = make(folder)
-        assert around.returncode == 2 and f"allowed are {folder / 'ball'}, {folder / 'bare'}, " in around.stderr, around.stderr
+        assert around.returncode == 2 and f"runs inside: {folder / 'ball'}, {folder / 'bare'}, " in around.stderr, around.stderr
         refused(folder / "nowhere", "there is no such folder")
         damaged(folder / "disc", folder / "damaged", "run.json", lambda _: b"[]")
         damaged(folder / "disc", folder / "damaged", "run.json", lambda text: text.replace(b'"unknowns"', b'"known"'), "unknowns")

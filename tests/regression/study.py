@@ -192,7 +192,7 @@ def ranks(folder: Path) -> None:
     for n in (1, 2):
         study(HALF_DISC, folder / f"searches-{n}", *SEARCHES, "--search-tolerances", "1e-2", ranks=n)
     one, two = (table(folder / f"searches-{n}" / "search.csv") for n in (1, 2))
-    assert one["forward_sweeps"] == two["forward_sweeps"] and np.allclose(one["J"], two["J"], rtol=1e-9, atol=0), (one["J"], two["J"])
+    assert one["forward_sweeps"] == two["forward_sweeps"] and np.allclose(one["J"], two["J"], rtol=1e-6, atol=0), (one["J"], two["J"])
     again = study(HALF_DISC, folder / "ranks-1", *choice, ranks=2).stdout
     assert again.count('the number of ranks was "1" and is "2"') == 4, again
 
@@ -282,7 +282,7 @@ def own_density(folder: Path, ranks: int = 1) -> None:
             refused = study(scene, folder / "refused", *options, ranks=ranks, status=2)
             said = [line for line in refused.stderr.splitlines() if line.startswith("signorini: ")]
             assert len(said) == 1 and f"mesh.{kind}: " in said[0] and f"has {cells} cells" in said[0], refused.stderr
-            assert "Transfinite" in said[0] and "allowed are" in said[0] and not (folder / "refused").exists()
+            assert "Transfinite" in said[0] and "; use " in said[0] and not (folder / "refused").exists()
     done = signorini("simulate", fixed, folder / "fixed", ranks)
     assert json.loads((folder / "fixed/run.json").read_text())["cells"] == cells, done.stdout
     study(fixed, folder / "one-size", "--sizes", "0.25", "--steps", "0.02,0.01", "--quantity", "J", ranks=ranks)
@@ -304,7 +304,7 @@ def stress(folder: Path) -> None:
     for name in {warning["name"] for warning in warnings}:
         alike = [warning for warning in warnings if warning["name"] == name]
         others = [str(warning["rung"]) for warning in alike[:-1]]
-        likewise = f" (likewise rung{'s' * (len(others) > 1)} {', '.join(others)}: study.json)" if others else ""
+        likewise = f" (also rung{'s' * (len(others) > 1)} {', '.join(others)}: study.json)" if others else ""
         assert f"warning: rung {alike[-1]['rung']}: {alike[-1]['message']}{likewise}\n" in said, (alike, said)
     assert said.count("warning: rung") == len({warning["name"] for warning in warnings}) < len(warnings), said
     for rung, size, value, impulse in zip(rows["rung"], rows["size"], rows["largest_von_mises"], rows["impulse"]):
@@ -319,19 +319,19 @@ def stress(folder: Path) -> None:
 def refusals(folder: Path) -> None:
     for options, fragments in (
         (("--quantity", "impuls"), ("--quantity", "impuls", 'did you mean "impulse"?')),
-        (("--quantity", "gradient"), ("--quantity", "gradient", "allowed with this scene")),
+        (("--quantity", "gradient"), ("--quantity", "gradient", "this scene has")),
         (("--sizes", "0"), ("--sizes", "found 0")),
         (("--steps", "-1"), ("--steps", "found -1")),
-        (("--steps", "1e-20"), ("--steps: found 1e-20 s", "allowed are 1 to 100000000")),
+        (("--steps", "1e-20"), ("--steps: found 1e-20 s", "choose 1 to 100000000 steps")),
         (("--tolerances", "0.7"), ("--tolerances: found 0.7", "from 1e-12 to 0.5")),
-        (("--degrees", "3"), ("--degrees", "found 3", "1 and 2")),
+        (("--degrees", "3"), ("--degrees", "found 3", "expected 1 or 2")),
         (("--schemes", "implicit"), ("--schemes", "found", "contact-implicit")),
         (("--budget", "soon"), ("--budget", "found soon", "10min")),
         (("--suggest", "1e-2"), ("--suggest", "objective", "impulse")),
         (("--search-tolerances", "1e-3"), ("--search-tolerances", "has no [objective]", "needs a control and an objective")),
         (("--suggest", "1e-2", "--quantity", "impuls"), ("--quantity", "impuls", 'did you mean "impulse"?')),
-        (("--suggest", "1e-2", "--quantity", "impulse,peak_force"), ("--suggest", "impulse,peak_force", "allowed is one of")),
-        (("--suggest", "1e-2", "--quantity", "energy_loss"), ("--suggest", "energy_loss", "allowed is one of")),
+        (("--suggest", "1e-2", "--quantity", "impulse,peak_force"), ("--suggest", "impulse,peak_force", "choose one of")),
+        (("--suggest", "1e-2", "--quantity", "energy_loss"), ("--suggest", "energy_loss", "choose one of")),
     ):
         refused = study(IMPACT, folder / "refused", *options, status=2)
         lines = refused.stderr.splitlines()
@@ -352,7 +352,7 @@ def searches(folder: Path) -> None:
     assert manifest["searches"] == 3 and "search.csv" in manifest["files"]
     for i, tolerance in enumerate(tolerances):
         optimum = folder / f"optimum-{tolerance}"
-        signorini("optimize", HALF_DISC, optimum, mesh__size=2, time__step=1e-4, optimizer__tolerance=tolerance)
+        signorini("optimize", HALF_DISC, optimum, mesh__size=2, time__step=1e-4, optimizer__tolerance=float(tolerance))
         run = json.loads((optimum / "run.json").read_text())
         assert rows["tolerance"][i] == float(tolerance) and rows["J"][i] == run["objective"]["value"], (rows["J"][i], run["objective"])
         assert rows["stop_reason"][i] == run["stop_reason"]
@@ -380,7 +380,7 @@ def searches(folder: Path) -> None:
     process = subprocess.Popen([str(SIGNORINI), "study", str(HALF_DISC), "--out", str(out), *SEARCHES, "--search-tolerances", "1e-3,1e-9",
                                 "--set", "mesh.size=0.5", "--set", "time.step=5e-5"], stdout=subprocess.PIPE, text=True)  # fmt: skip
     for line in process.stdout:
-        if line.startswith("search 1 of 2"):
+        if line.startswith("search 1 of 2: "):
             break
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)

@@ -337,7 +337,7 @@ def summary(run: Run, printed: str) -> None:
     numbers(text + ": {} at the end, {} of it elastic", *values, energy["kinetic_at_end"] + energy["elastic_at_end"], energy["elastic_at_end"])
     stress = told["largest_von_mises"]
     onset = ", as contact begins" if stress["at_onset"] else ""
-    numbers(f"largest von Mises stress of the stored times: {{}} Pa in the cell at {vector} m, {{}} s{onset}; {{}} Pa recovered from the cells around it",
+    numbers(f"largest stored von Mises stress: {{}} Pa in the cell at {vector} m, {{}} s{onset}; {{}} Pa recovered from the cells around it",
             stress["value"], stress["point"], stress["time"], stress["recovered"])  # fmt: skip
     whole = told["impact"]
     for number, one in enumerate(whole["bounces"] if len(whole["bounces"]) > 1 else [], 1):
@@ -435,12 +435,12 @@ def costs() -> None:
     # Griewank and Walther, Algorithm 799: revolve (2000): r l - C(s + r, r - 1) of l states from s checkpoints, the start among both.
     for budget in (10_000, 20_000):
         printed = signorini("info", BLOCK_SCENE, trajectory__storage="checkpoints", trajectory__budget=budget).stdout
-        again, slots = re.search(r"and (\S+) steps made again of either motion \((\d+) checkpoints\)", printed).groups()
+        again, slots = re.search(r"and (\S+) steps recomputed of either motion \((\d+) checkpoints\)", printed).groups()
         states, kept, repeats = 31, int(slots) + 1, 0
         while comb(kept + repeats, repeats) < states:
             repeats += 1
         assert 1 < kept < states
-        near("steps made again", float(again), (repeats * states - comb(kept + repeats, repeats - 1)) / 30 - 1, 0.0051, 1)
+        near("steps recomputed", float(again), (repeats * states - comb(kept + repeats, repeats - 1)) / 30 - 1, 0.0051, 1)
     near("counts", [float(one) for one in counts.groups()], [2 * len(nodes), 2 * len(nodes), len(cells), int((nodes[:, 1] < 1e-9).sum()), 30, 0.02])
 
 

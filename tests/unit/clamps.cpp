@@ -170,7 +170,7 @@ TEST_CASE("clamps that meet must agree", "[forward]") {
   CHECK_THROWS_WITH(
       test::Ready("tests/data/block.toml", {"clamp=[{on=\"rest\", value=[\"t\", \"0\"]}, {on=\"bottom\", "
                                             "value=[\"2*t\", \"0\"], components=[\"x\", \"y\"]}]"}),
-      Catch::Matchers::ContainsSubstring("same motion where clamps meet"));
+      Catch::Matchers::ContainsSubstring("clamps that meet need the same motion"));
   CHECK_NOTHROW(test::Ready("tests/data/block.toml",
                             {"clamp=[{on=\"rest\"}, {on=\"bottom\", components=[\"x\"], value=[\"0\"]}]",
                              "initial.velocity=[\"0\", \"0\"]"}));

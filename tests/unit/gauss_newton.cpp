@@ -148,9 +148,9 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
   const std::vector<scene::Unknown> logs{named("young", logarithmic), named("density", logarithmic)};
   // Residuals that depend on the difference, the sum, or x_1 alone.
   for (const auto& [row, words] :
-       {std::pair(std::vector{1.0, -1.0}, "The data tell young and density only as their ratio."),
-        std::pair(std::vector{3.0, 3.0}, "The data tell young and density only as their product."),
-        std::pair(std::vector{1.0, 0.0}, "The data do not tell density.")}) {
+       {std::pair(std::vector{1.0, -1.0}, "The data determine only the ratio of young and density."),
+        std::pair(std::vector{3.0, 3.0}, "The data determine only the product of young and density."),
+        std::pair(std::vector{1.0, 0.0}, "The data do not determine density.")}) {
     const std::vector<double> H{row[0] * row[0], row[0] * row[1], row[0] * row[1], row[1] * row[1]};
     const optimize::Identified known = optimize::identified(H, 2);
     REQUIRE(known.unidentified.size() == 1);
@@ -159,9 +159,8 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
   }
   const std::vector<scene::Unknown> mixed{named("height", linear), named("speed", linear)};
   CHECK(drivers::unidentified(mixed, {1, -0.5}) ==
-        "The data do not tell height, speed apart: changes in the proportion of "
-        "height by +1, speed by -0.5 leave "
-        "all values as they are.");
+        "The data do not separate height, speed: changes in the proportion of height by +1, speed by -0.5 "
+        "leave all values as they are.");
 }
 
 TEST_CASE("an unknown on a logarithmic scale ends where the curvature of J is rounding", "[control]") {

@@ -226,8 +226,9 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
   CHECK(cells(write("comments.msh", "$Comments\n" + command + "$EndComments\n" + mesh)) == 1);
   for (const std::string& text : {command + mesh, command + "$EndElements\n", "\n" + command + mesh,
                                   "$MeshFormats\n" + command + mesh, std::string()})
-    CHECK_THROWS_WITH(cells(write("hostile.msh", text)), ContainsSubstring("hostile.msh: not a .msh file") &&
-                                                             ContainsSubstring("first line is $MeshFormat"));
+    CHECK_THROWS_WITH(cells(write("hostile.msh", text)),
+                      ContainsSubstring("hostile.msh: not a .msh file") &&
+                          ContainsSubstring("first line must be $MeshFormat"));
   CHECK_FALSE(fs::exists(trace));
   fs::remove_all(folder);
 }

@@ -189,7 +189,7 @@ TEST_CASE("a time series is linear between its times", "[scene]") {
   }
   for (const auto& [text, column, problem] :
        {std::tuple{"t,force\n0,1\n1,2\n", "forces", "did you mean \"force\"?"},
-        {"t,v\n0,1\n0,2\n", "v", "line 3: found the time 0 s behind 0 s"},
+        {"t,v\n0,1\n0,2\n", "v", "line 3: found the time 0 s after 0 s"},
         {"t,v\n0,1\n1,two\n", "v", "line 3: found \"two\" in column 2"},
         {"t,v\n0,1\n1\n", "v", "line 3: found \"\" in column 2"},
         {"t;v\n0;1\n1;2,5\n", "v", "found \"2,5\""},

@@ -71,7 +71,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
   fit.unknowns = {{.name = "young", .unit = "Pa", .value = 2e6, .deviation = 1250, .start = 1e6},
                   {.name = "shear viscosity", .unit = "Pa s", .deviation = INFINITY, .start = 3},
                   {.name = "throw", .value = -1.5, .deviation = 0.25, .start = -1, .at_bound = true}};
-  fit.unidentified = {"The data do not tell shear viscosity."};
+  fit.unidentified = {"The data do not determine shear viscosity."};
   fit.compared = {{"contact_start", "s", 0.25, 0.01, 0.27}, {"contact_end", "s", 0.5, 0, NAN}};
   fit.data = 12, fit.misfit = 0.416;
   const std::array<std::string, 3> pairs{"-0.70, of young and shear viscosity", "-0.70, of young and throw",
@@ -85,9 +85,9 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
           std::vector<std::string>{
               "unknown                   value     deviation         start",
               "young                   2000000      1.25e+03         1e+06  Pa",
-              "shear viscosity               0      not told             3  Pa s",
+              "shear viscosity               0  undetermined             3  Pa s",
               "throw                      -1.5          0.25            -1   (at its bound)",
-              "largest correlation: " + pairs[pair++], "The data do not tell shear viscosity.",
+              "largest correlation: " + pairs[pair++], "The data do not determine shear viscosity.",
               "contact_start: measured 0.25 s, simulated 0.27 s, +2.00 standard deviations",
               "contact_end: measured 0.5 s, simulated no contact",
               "misfit of 12 values: 0.416 standard deviations (root mean square)"});

@@ -13,9 +13,9 @@ using petsc::check;
 
 namespace {
 
-/// Relative error of a solve's displacements: rounding, 1e3 times the machine epsilon, which backward errors
-/// of factorisations do not reach; and the solver's tolerance, which bounds the energy norm, times a factor,
-/// since the error of a single node may be larger.
+/// Relative error of a solve's displacements, the sum of two. Rounding is 1e3 times the machine epsilon,
+/// which backward errors of factorisations do not reach. The solver's tolerance bounds the energy norm; it is
+/// multiplied by a factor, since the error of a single node may be larger.
 double accuracy(double tolerance) {
   constexpr double rounding = 1e3 * std::numeric_limits<double>::epsilon(), share = 100;
   return rounding + share * tolerance;
@@ -41,7 +41,7 @@ Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Ma
   // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
   // couple them are neglected.
   stiffness_ = rows.weighted_squares(fem::diagonal(D));
-  stiffness_.resize(static_cast<std::size_t>(rows.groups())); // of normals alone
+  stiffness_.resize(static_cast<std::size_t>(rows.groups())); // normals alone
 }
 
 double Complementarity::negligible_gap(double deepest, double size) const {
@@ -94,15 +94,14 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
     }
   }
   if (!holds_to(gap_tolerance_, motion, state.lambda, state.gap))
-    throw SolverFailure(
-        fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "
-                    "{:.3e} m (allowed {:.3e} m), adhesion that moves a node by {:.3e} m (allowed {:.3e} m), "
-                    "{} strong of {} candidates",
-                    penetration, distance, gap_tolerance_, adhesion, motion, state.count(Status::strong),
-                    stiffness_.size()));
+    throw SolverFailure(fmt::format("the contact solution is not complementary. Penetration {:.3e} m, force "
+                                    "at a gap of {:.3e} m (limit {:.3e} m). Adhesion moves a node by {:.3e} "
+                                    "m (limit {:.3e} m); {} of {} candidates are strongly active",
+                                    penetration, distance, gap_tolerance_, adhesion, motion,
+                                    state.count(Status::strong), stiffness_.size()));
   for (std::size_t i = 0; i < stiffness_.size(); ++i)
     if (state.status[i] == Status::weak && depends(rows_, state.active, static_cast<int>(i)))
-      // It cannot open while the candidates with forces on which it depends are closed, and part of their
+      // This candidate cannot open while those with forces on which it depends are closed, and part of their
       // force may be assigned to it.
       state.status[i] = Status::strong;
   state.active.clear();

@@ -10,7 +10,7 @@ namespace signorini::contact {
 
 namespace {
 
-/// One run of the method: the problem and the iterate, whose set is in the order of the factor of S_AA.
+/// A run of the method: the problem and the iterate. The set has the order of the factor of S_AA.
 class Search {
 public:
   Search(const Columns& S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
@@ -32,7 +32,7 @@ public:
   }
 
   /// Raises λ_j until gap j is closed or the force of a candidate of the set falls to zero, which then leaves
-  /// it. Returns whether gap j is closed, nothing if no force closes it.
+  /// the set. Returns whether gap j is closed, or nothing if no force closes it.
   std::optional<bool> raise(std::size_t j, bool dependent) {
     take_column(j);
     factor_.solve(r_);

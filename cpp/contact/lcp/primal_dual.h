@@ -19,8 +19,8 @@ void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const 
               std::span<const double> gap, ActiveSet& next);
 
 /// Block principal pivoting (Júdice, Pires 1994): whole primal-dual steps as long as the number of candidates
-/// on the wrong side reaches a new minimum every few steps, else one node at a time, that of the last
-/// candidate on the wrong side, which ends after finitely many steps (Murty 1974).
+/// on the wrong side reaches a new minimum every few steps. Otherwise one node at a time is changed,
+/// that of the last candidate on the wrong side, which ends after finitely many steps (Murty 1974).
 class BlockPivoting {
 public:
   /// `rows` must outlive this object.
@@ -30,8 +30,8 @@ public:
   [[nodiscard]] bool whole() const { return left_ > 0; }
   [[nodiscard]] int steps() const { return steps_; }
 
-  /// Replaces `set` by the one to try after it. `next` is the set of a primal-dual step from it, and on
-  /// return scratch like `wrong`. Throws SolverFailure after too many steps.
+  /// Replaces `set` by the next one to try. On entry `next` is the set of a primal-dual step from `set`; on
+  /// return it is scratch, like `wrong`. Throws SolverFailure after too many steps.
   void advance(ActiveSet& set, ActiveSet& next, ActiveSet& wrong);
 
 private:

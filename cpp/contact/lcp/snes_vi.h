@@ -15,7 +15,7 @@ public:
   /// `-<name>_` are honoured; `package` is the default one for factorising submatrices of K. Collective.
   SnesVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
 
-  /// Solves for `x`, starting from what it holds. Returns the number of Newton steps. Collective. Throws
+  /// Solves for `x`, starting from its value on entry. Returns the number of Newton steps. Collective. Throws
   /// SolverFailure with reason and residual.
   int solve(Vec c, Vec x) const;
 

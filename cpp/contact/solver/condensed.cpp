@@ -107,7 +107,7 @@ void CondensedSolver::find_set(ContactState& state, Workspace& work) const {
   work.set.clear();
   try {
     state.vi_iterations += solver.vi->solve(solver.constant, solver.x);
-  } catch (const SolverFailure&) { // solve() goes on from this set by primal-dual steps
+  } catch (const SolverFailure&) { // solve() continues from this set by primal-dual steps
     for (std::size_t i = 0; i < work.gap0.size(); ++i)
       if (work.gap0[i] < 0)
         work.set.push_back(static_cast<int>(i));
@@ -156,7 +156,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
   }
   constexpr int most = 20;
   for (int i = 0; i < most; ++i) {
-    // A pass gains the digits that the free motion of what is left of r has fewer than that of r.
+    // A pass reduces the error by the ratio of the free motions of the residual and of r.
     constexpr int passes = 3;
     for (int pass = 0; pass < passes; ++pass) {
       rows_.prescribe(work.set, psi, y);
@@ -173,7 +173,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
       return;
     std::swap(work.set, work.next);
-    for (int j : work.next) // the set before
+    for (int j : work.next) // the previous set
       if (std::ranges::find(work.set, j) == work.set.end())
         state.lambda[j] = 0;
     ++state.vi_iterations;

@@ -6,7 +6,7 @@
 
 namespace signorini::contact {
 
-/// out ← r − D y at the dofs that no clamp holds, and zero at the others. Collective.
+/// Computes out ← r − D y at unclamped dofs, zero at clamped ones. Collective.
 using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 
 /// Solves the step's VI condensed to the m candidates (docs/method.md section 5): with the predicted gaps g⁰
@@ -18,14 +18,14 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// dependent, so that S is singular, and is the last resort where both others fail. Active sets that depend
 /// on LAPACK's rounding are determined on rank 0. Where columns of S are computed on demand, primal-dual
 /// steps are followed by block pivoting instead. Laws that are not symmetric are solved by Newton steps,
-/// after sweeps over the groups where these cycle. Gaps found so are known to the rounding of the motion
-/// without contact, which in a step that is long beside a fall through the body is more than a gap may be:
-/// there they are refined from the residual.
+/// after sweeps over the groups where these cycle. The resulting gaps are accurate to the rounding of the
+/// motion without contact. In a step that is long compared with a fall through the body, this exceeds the
+/// error allowed of a gap, and the gaps are refined from the residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
-  /// Takes the condensation of the step operator `D` of a body of a diameter (m), whose solves leave the
-  /// relative error `tolerance`, and its `residual`, without which no solution is refined. Collective. `rows`
-  /// must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
+  /// Takes the condensation of the step operator `D`, whose solves leave the relative error `tolerance`, and
+  /// the body's diameter (m). Without a `residual` no solution is refined. Collective. `rows` must outlive
+  /// this object. PETSc options with the prefix `-condensed_vi_` are honoured.
   CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
                   std::unique_ptr<const Condensation> condensation, Residual residual, double tolerance = 0);
 
@@ -43,7 +43,7 @@ private:
   /// Computes λ, with zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all
   /// candidates.
   void solve_on_set(ContactState& state, Workspace& work) const;
-  /// At most `most` primal-dual steps, until the state is complementary to rounding and within the gap
+  /// Takes at most `most` primal-dual steps, until the state is complementary to rounding and within the gap
   /// `negligible` (m).
   void settle(ContactState& state, std::span<const double> psi, double negligible, int most,
               Workspace& work) const;
@@ -53,30 +53,30 @@ private:
   /// Finds work.set by PETSc's VI solver, starting from the gaps of `state`; if it fails, the set becomes the
   /// candidates with negative predicted gaps.
   void find_set(ContactState& state, Workspace& work) const;
-  /// Finds work.set by the dual active-set method, from no contact, which terminates for every S. Throws
-  /// SolverFailure if the gaps cannot all be made nonnegative.
+  /// Finds work.set by the dual active-set method, which starts without contact and terminates for every S.
+  /// Throws SolverFailure if the gaps cannot all be made nonnegative.
   void find_independent_set(ContactState& state, Workspace& work) const;
   /// Finds work.set by find_set() where S is regular and of a size that PETSc can handle, else by
   /// find_independent_set().
   void search(ContactState& state, Workspace& work) const;
-  /// Computes λ and gaps by sets alone: primal-dual steps, then block pivoting. Collective.
+  /// Computes λ and gaps by active sets alone: primal-dual steps, then block pivoting. Collective.
   void pivot(ContactState& state, std::span<const double> psi, Workspace& work) const;
-  /// Computes λ and gaps from predicted gaps of which some are negative, and the set that closes. Collective.
+  /// Computes λ, gaps and the active set from predicted gaps, some of them negative. Collective.
   void solve_by_sets(const ContactProblem& step, Workspace& work) const;
-  /// The equation of the law of a group in the next step; false where it opens.
+  /// Sets the equation of a group's law in the next Newton step; returns false if the group opens.
   [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
-  /// Changes a multiplier, and the gaps by it.
+  /// Changes a multiplier, and the gaps accordingly.
   void push(int row, double change, ContactState& state) const;
-  /// A Newton step with the equations of all laws. Collective.
+  /// Takes a Newton step with the equations of all laws. Collective.
   void newton_step(ContactState& state, Workspace& work) const;
   /// Solves the law of one group, the multipliers of the others fixed: a step of block Gauss–Seidel.
   void relax(int group, ContactState& state) const;
   /// Computes ρ and gaps by Newton steps and, where these do not settle, sweeps before them. Collective.
   void solve_by_laws(const ContactProblem& step, Workspace& work) const;
-  /// The gaps up to rounding of a step's own motion, in which predicted gaps are known, m.
+  /// Rounding error of predicted gaps, from the size of a step's own motion, m.
   [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;
-  /// Makes the solution found on work.set as exact as a number of its own size can be, and work.set the one
-  /// that it then asks for, by iterative refinement with the gaps on the set held at zero. Collective.
+  /// Refines the solution found on work.set to rounding of its own size, iteratively, with the gaps on the
+  /// set kept at zero. Updates work.set by primal-dual steps from the refined solution. Collective.
   void refine(Vec r, std::span<const double> psi, ContactState& state, Vec y, Workspace& work) const;
   /// Broadcasts the set, λ and number of steps that rank 0 found. Collective.
   void decided(ContactState& state, Workspace& work) const;
@@ -87,7 +87,7 @@ private:
   Complementarity complementarity_;
   Residual residual_;
   double tolerance_;
-  double length_unit_; ///< of gaps in PETSc's VI: a negligible gap, m
+  double length_unit_; ///< unit of gaps in PETSc's VI: a negligible gap, m
 };
 
 } // namespace signorini::contact

@@ -58,8 +58,8 @@ void require_bounds(const ContactPairs& pairs) {
       clusters, [](const ConstraintRows::Cluster& one) { return one.last - one.first > 1; });
   if (several == clusters.end())
     return;
-  throw UserError(fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, "
-                              "allowed is \"condensed\": the full VI takes one obstacle per node",
+  throw UserError(fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, but the full "
+                              "VI takes one per node; set it to \"condensed\"",
                               several->last - several->first,
                               point_text(&pairs.points()[3 * static_cast<std::size_t>(several->first)])));
 }

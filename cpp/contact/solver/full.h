@@ -17,19 +17,19 @@ public:
   /// candidates.
   FullSolver(const ContactPairs& pairs, Mat D);
 
-  /// Lets `solver` solve linearised and transposed steps.
+  /// Sets the solver of linearised and transposed steps.
   void linearise_by(std::unique_ptr<const ContactStepSolver> solver) { linearised_ = std::move(solver); }
 
   [[nodiscard]] Workspace workspace() const override;
   void solve(const ContactProblem& step, Workspace& work) const override;
-  /// To be called only after linearise_by(), as the next.
+  /// Solves a linearised step; this and solve_transposed() require linearise_by() before.
   void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
     linearised_->solve_linearised(step, work);
   }
   void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
     linearised_->solve_transposed(step, work);
   }
-  /// Of the solver of linearised steps; that of PETSc's solver is not known.
+  /// Memory of the solver of linearised steps, bytes; that of PETSc's VI solver is not known.
   [[nodiscard]] double bytes() const override { return linearised_ ? linearised_->bytes() : 0; }
 
 private:
@@ -38,12 +38,12 @@ private:
 
   const ContactPairs& pairs_;
   Complementarity complementarity_;
-  double length_unit_, force_unit_; ///< of the VI: a negligible gap (m); that times D's largest diagonal
+  double length_unit_, force_unit_; ///< units of the VI: negligible gap (m); that times D's largest diagonal
   std::vector<int> axis_;           ///< component that each candidate's force direction replaces (m)
-  std::vector<double> length_;      ///< of these directions; 1 unless clamps hold components (m)
+  std::vector<double> length_;      ///< length of each force direction; 1 unless components are clamped (m)
   petsc::Matrix Q_;        ///< nodal frames: column axis_ of a candidate's block is its force direction
-  petsc::Matrix D_;        ///< QᵀDQ in these units
-  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
+  petsc::Matrix D_;        ///< QᵀDQ in the units of the VI
+  petsc::Vector diagonal_; ///< diagonal of D if components of candidates' nodes are clamped, else null
   petsc::Vector z_, r_;
   std::optional<SnesVi> vi_;
   std::unique_ptr<const ContactStepSolver> linearised_;

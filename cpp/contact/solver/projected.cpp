@@ -44,7 +44,7 @@ void ProjectedSolver::solve(const ContactProblem& step, Workspace& work) const {
       std::cref(look); // a reference: std::function does not allocate
   work.set = previous;
   drop_dependent(rows_, work.set);
-  rows_.set_clamped(diagonal_, r, y); // gaps depend on held components too
+  rows_.set_clamped(diagonal_, r, y); // gaps depend on clamped components too
   for (BlockPivoting pivoting(rows_);; pivoting.advance(work.set, work.next, work.wrong)) {
     state.vi_iterations = pivoting.steps();
     rows_.prescribe(work.set, psi, y);

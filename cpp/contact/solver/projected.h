@@ -6,12 +6,12 @@
 
 namespace signorini::contact {
 
-/// Contact without a factor of D and without S (docs/method.md section 5): conjugate gradients on the motions
-/// that keep the gaps of a set closed, the set updated by primal-dual steps. The set is checked before a
-/// solve has converged, to end it early where the set will change.
+/// Solves contact steps without a factor of D and without S (docs/method.md section 5): by conjugate
+/// gradients on the motions that keep the gaps of a set closed. Primal-dual steps update the set. It is
+/// checked before a solve has converged, to end the solve early if the set will change.
 class ProjectedSolver final : public ContactStepSolver {
 public:
-  /// `matrix` is D, of a body of a diameter (m). Collective. The arguments must outlive this object.
+  /// Takes the body's diameter (m); `matrix` is D. Collective. The arguments must outlive this object.
   ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D, Mat matrix);
 
   [[nodiscard]] Workspace workspace() const override { return Workspace(rows_.count()); }
@@ -31,10 +31,10 @@ private:
   const ConjugateGradients& D_;
   Mat matrix_;
   Complementarity complementarity_;
-  const std::vector<double> zero_; ///< (m)
+  const std::vector<double> zero_; ///< zeros (m)
   double gap_tolerance_;           ///< m
   petsc::Vector residual_;
-  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
+  petsc::Vector diagonal_; ///< diagonal of D if components of candidates' nodes are clamped, else null
 };
 
 } // namespace signorini::contact

@@ -78,7 +78,7 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
                                                    contact->steps, contact->most, contact->weak)
                                      : "never: this checks nothing of contact",
                   "in one step at least", contact->steps > 0});
-  // Without forces a body that is in contact throughout may enter no obstacle: then there is no projection.
+  // Predictors move without forces: for a body that stays in contact they may never enter an obstacle.
   const bool rests = contact->steps == problem.steps();
   if (problem.stepper.predictor() && (contact->projected > 0 || !rests))
     rows.push_back({"the predictor was projected", fmt::format("in {} steps", contact->projected),
@@ -127,7 +127,7 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     const problem::GivenControl given(problem);
     invariants(problem, given.load(), rows);
   }
-  console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
+  console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "limit"));
   bool all = true;
   for (const CheckRow& row : rows) {
     console.line(

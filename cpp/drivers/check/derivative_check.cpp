@@ -52,7 +52,7 @@ public:
     check(VecAXPY(sum.vector, 1, at(step.k)));
   }
 
-  /// Valid until the next call.
+  /// Dual of the state after step k; valid until the next call.
   [[nodiscard]] Vec at(int k) const {
     wave(space_, space_.points(), fem::component_numbers({}, space_.dim()), static_cast<double>(k) / steps_,
          1, petsc::WriteArray(shape_));
@@ -81,10 +81,9 @@ public:
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      console_.line(
-          fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
-                      "but without force, so that J may have a kink here, and slopes to one side alone.",
-                      weak));
+      console_.line(fmt::format("Contact is weak {} times (nodes × steps): closed, but without force. J may "
+                                "have a kink here, with one-sided slopes alone.",
+                                weak));
       const double plus = slope(Side::plus, rows);
       kink(plus, slope(Side::minus, rows));
       return;
@@ -96,7 +95,7 @@ public:
       judge(derivative);
   }
 
-  /// What to change, if anything.
+  /// Advice on changing the scene; empty if none is needed.
   [[nodiscard]] const std::string& advice() const { return advice_; }
 
 private:
@@ -208,9 +207,9 @@ private:
     double slope, rounding;
   };
 
-  /// J's slope at u by a parabola fitted to nine evenly spaced values within `within`, where the active sets
-  /// are unchanged and J is a parabola up to rounding. The residuals give the rounding of the values, and
-  /// that the error of the slope.
+  /// Fits J's slope at u by a parabola through nine evenly spaced values within `within`, where the active
+  /// sets are unchanged and J is a parabola up to rounding. The residuals yield the rounding of the values,
+  /// and thus the error of the slope.
   Fit fitted(Side side, double within) {
     constexpr int half = 4;
     constexpr double squares = 60, mean_square = 20.0 / 3,
@@ -251,7 +250,7 @@ private:
     constexpr double smooth = 1e-9;
     console_.line(
         kink > smooth
-            ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient tells both.",
+            ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient gives both.",
                           100 * kink)
             : std::string("Verdict: no kink along d."));
   }
@@ -280,7 +279,7 @@ private:
     return 0;
   }
 
-  /// A row for a difference quotient, which holds up to its error by rounding.
+  /// Row for a difference quotient, which passes up to its rounding error.
   static CheckRow beyond_rounding(const std::string& name, double value, double rounding) {
     constexpr double useless = 1e-3;
     if (rounding > useless)
@@ -288,8 +287,8 @@ private:
     return below(name, value, rounding);
   }
 
-  /// Prints how far the derivative can be trusted: it is exact as long as no active set changes, and useful
-  /// only if changes of the control of relevant size see the same slope.
+  /// Prints the range in which the derivative is valid. It is exact while no active set changes, and useful
+  /// only if J has the same slope over relevant changes of the control.
   void judge(double slope) {
     constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
     const double above = problem_.value(moved(macroscopic));
@@ -299,12 +298,11 @@ private:
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
     const double radius = kept_size_;
     const trajectory::Margins margin = problem_.trajectory().margins();
-    console_.line(fmt::format(
-        "Active sets are kept within {:.1e} of the control; least force on a closed candidate {:.1e} of the "
-        "largest, least gap of an open one {:.1e} m.\nThe derivative along d is {:.6e}; over +- {} d, with "
-        "{} "
-        "changes of the sets, J has the slope {:.6e}.",
-        radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
+    console_.line(
+        fmt::format("Active sets stay the same within {:.1e} of the control. Least force on a closed "
+                    "candidate: {:.1e} of the largest; least gap of an open one: {:.1e} m.\nThe derivative "
+                    "along d is {:.6e}; over +- {} d, with {} changes of the sets, J has the slope {:.6e}.",
+                    radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
     if (off <= alike) {
       console_.line(radius > narrow
                         ? "Verdict: exact, and what larger changes of the control see."

@@ -7,13 +7,13 @@
 
 namespace signorini::drivers {
 
-/// One line of check's table.
+/// Row of check's table.
 struct CheckRow {
   std::string name, measured, allowed;
   bool holds;
 };
 
-/// A row that holds where `value` is at most `limit`.
+/// Row that passes if `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
 using ContactHistory = std::vector<contact::ContactLinearisation>;
@@ -25,9 +25,9 @@ struct Switches {
 };
 Switches switches(const ContactHistory& a, const ContactHistory& b);
 
-/// Compares the derivatives of J at u with differences of J, prints how far they can be trusted, and adds
-/// rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns what to change
-/// where exact derivatives are of no use, since larger changes of the control see other slopes; else an empty
+/// Compares the derivatives of J at u with differences of J, prints the range in which they are valid, and
+/// adds rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns advice if
+/// exact derivatives are useless because J has other slopes over larger changes of the control; else an empty
 /// text. Collective. Throws SolverFailure, Interrupted.
 std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
                               double solver_tolerance, const Console& console, std::vector<CheckRow>& rows);

@@ -40,7 +40,7 @@ control::Control evaluation_point(const problem::Problem& problem,
     control::Control disturbance = wave(controls, which);
     const double part = 0.2 * controls.norm(u) / controls.norm(disturbance);
     for (int j = 1; j <= disturbance.count() && disturbance.count() > 1; ++j) {
-      // The mean over an interval, like every other control: of one wave whatever the steps.
+      // The mean over an interval, as for every other control: the same wave for any steps.
       const double half = (1 + which) * M_PI * controls.length(j) / controls.grid().end();
       for (double& value : disturbance.at(j))
         value *= std::sin(half) / half;

@@ -41,8 +41,8 @@ public:
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
       weak += contact.weak.size();
     if (weak > 0)
-      console_.line(fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
-                                "but without force, so that J may have a kink at the first guess.",
+      console_.line(fmt::format("Contact is weak {} times (nodes × steps): closed, but without force. J may "
+                                "have a kink at the first guess.",
                                 weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
       jacobian(j, {&linearised.jacobian[j * m], m}, rows);
@@ -54,14 +54,14 @@ public:
   }
 
 private:
-  /// What rounding and solvers leave between the two. Forces, which are residuals, are off by more than the
-  /// motions whose energy norm a solver holds: by the root of the condition, some ten.
+  /// Difference allowed between the two gradients, by rounding and solvers. Forces, which are residuals, are
+  /// less accurate than motions, whose energy norm a solver controls: by the root of the condition, some ten.
   [[nodiscard]] double sweeps_leave() const {
     constexpr double forces = 10;
     return forces * std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_;
   }
 
-  /// The size of a change of an unknown: that by which the values change about as much as they are off.
+  /// Size of a change of an unknown that changes the values by about as much as they are off.
   [[nodiscard]] double unit(std::size_t j) const {
     const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_), 1.0) / lengths_[j] : 1;
     return problem_.scene.unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
@@ -70,9 +70,10 @@ private:
   struct Trial {
     double value;
     std::vector<double> residuals;
-    bool kept; ///< the active sets
+    bool kept; ///< whether the active sets are unchanged
   };
-  /// None beyond the bounds and where the scene is none, as with a node inside an obstacle.
+  /// Evaluates J with one unknown changed; none beyond the bounds and where the scene is invalid, as with a
+  /// node inside an obstacle.
   [[nodiscard]] std::optional<Trial> at(std::size_t j, double change) const {
     std::vector<double> x = x_;
     x[j] += change;
@@ -88,7 +89,8 @@ private:
     }
   }
 
-  /// Central differences of all values, of the best size that keeps the active sets on both sides.
+  /// Compares a column of the Jacobian with central differences, of the best size that keeps the active sets
+  /// on both sides.
   void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
     const std::string name = fmt::format("values by {} against differences", problem_.scene.unknowns[j].name);
     double least = std::numeric_limits<double>::infinity();
@@ -123,12 +125,12 @@ private:
         continue;
       widest = std::max(widest, epsilon);
       const double remainder = std::abs(trial->value - here_ - epsilon * by_x_[j]);
-      if (!(remainder > floor)) // those of smaller sizes are rounding too
+      if (!(remainder > floor)) // remainders of smaller sizes are rounding too
         break;
       usable.emplace_back(epsilon, remainder);
     }
     if (usable.size() >= 3) {
-      // Towards small sizes, where higher orders no longer show.
+      // The smallest sizes, at which higher orders no longer show.
       usable.erase(usable.begin(), usable.end() - 3);
       const double p = log_log_slope(usable);
       rows.push_back({fmt::format("Taylor order by {}", name), fmt::format("{:.3f}", p), "2.00 +- 0.05",
@@ -158,8 +160,8 @@ private:
   std::vector<double> x_;
   double here_;                 ///< J
   std::vector<double> by_x_;    ///< dJ/dx
-  double rounding_;             ///< of J, relative
-  std::vector<double> lengths_; ///< of the Jacobian's columns
+  double rounding_;             ///< relative rounding error of J
+  std::vector<double> lengths_; ///< norms of the Jacobian's columns
 };
 
 } // namespace

@@ -175,7 +175,7 @@ def main() -> int:
     given = parser.parse_args()
     known = set(TITLES) | {f"{name}@{size:g}" for name in TITLES for size in given.sizes}
     if unknown := set(given.only or []) - known:
-        parser.error(f"--only: found {', '.join(sorted(unknown))}, allowed are {', '.join(sorted(known))}")
+        parser.error(f"--only: found {', '.join(sorted(unknown))}; choose from {', '.join(sorted(known))}")
 
     def wanted(program: str, size: float) -> bool:
         return given.only is None or program == REFERENCE or bool({program, f"{program}@{size:g}"} & set(given.only))

@@ -73,7 +73,7 @@ NOISE = re.compile(
 )
 # A library's or the program's own insides say nothing to the user.
 INSIDES = re.compile(r"\.unfinished|std::|vector::|\(\)|\bPETSc failed|\bbasic_|\bunknown error\b")
-HEADLINE = re.compile(r"(scene: \d+ free unknowns, .*\nbody: .*\n(doubt: .*\n)*effects: .*\nsolver: .*\n)?")
+HEADLINE = re.compile(r"(scene: \d+ free unknowns, .*\nbody: .*\n(warning: .*\n)*effects: .*\nsolver: .*\n)?")
 
 
 @dataclass(frozen=True)

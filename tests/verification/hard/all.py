@@ -13,7 +13,7 @@ def main() -> int:
     program, source, *wanted = sys.argv[1:]
     families = sorted(file.stem for file in FOLDER.glob("*.py") if file.stem not in SHARED)
     if unknown := set(wanted) - set(families):
-        print(f"signorini-hard: found the family \"{unknown.pop()}\", allowed are {', '.join(families)}", file=sys.stderr)
+        print(f"signorini-hard: found the family \"{unknown.pop()}\"; choose from {', '.join(families)}", file=sys.stderr)
         return 2
     failed = [family for family in wanted or families
               if subprocess.run([sys.executable, FOLDER / f"{family}.py", program, source]).returncode]  # fmt: skip

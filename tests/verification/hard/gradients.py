@@ -49,7 +49,7 @@ control = ["0", "10"]
 """
 NUMBER = r"(-?[\d.]+e[+-]\d+)"
 SAID = re.compile(
-    rf"kept within {NUMBER} of the control.*\nThe derivative along d is {NUMBER}; over .* with (\d+) changes .* slope {NUMBER}\.\n"
+    rf"stay the same within {NUMBER} of the control.*\nThe derivative along d is {NUMBER}; over .* with (\d+) changes .* slope {NUMBER}\.\n"
     rf"Verdict: exact, (and what|but valid only within {NUMBER})"
 )
 ALIKE = 0.05  # of the macroscopic slope
