@@ -4,14 +4,12 @@
 #include "accuracy/grading.h"
 #include "accuracy/quantities.h"
 #include "base/signals.h"
+#include "drivers/methods.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search.h"
 #include "drivers/search_level.h"
 #include "drivers/search_results.h"
 #include "mesh/size_field.h"
-#include "optimize/lbfgs.h"
-#include "optimize/newton_cg.h"
-#include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -259,16 +257,10 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
                                 scene.mesh.degree));
   if (!scene.mesh.meshed() && !scene.mesh.automatic())
     require_answer(comm, scene);
-  switch (scene.optimizer.method) {
-  case scene::OptimizerMethod::lbfgs:
-    return refine<optimize::Lbfgs>(comm, scene, out, asked, console);
-  case scene::OptimizerMethod::newton_cg:
-    return refine<optimize::NewtonCg>(comm, scene, out, asked, console);
-  case scene::OptimizerMethod::projected_gradient:
-  case scene::OptimizerMethod::gauss_newton: // for fits only
-    break;
-  }
-  return refine<optimize::ProjectedGradient>(comm, scene, out, asked, console);
+  return drivers::with_method(scene.optimizer.method,
+                              [&]<template <optimize::TwiceDifferentiable> class Method>() {
+                                return refine<Method>(comm, scene, out, asked, console);
+                              });
 }
 
 } // namespace signorini::accuracy

@@ -2,11 +2,9 @@
 #include "accuracy/search_costs.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "drivers/methods.h"
 #include "drivers/search.h"
 #include "drivers/search_level.h"
-#include "optimize/lbfgs.h"
-#include "optimize/newton_cg.h"
-#include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -42,6 +40,9 @@ void require_searches(const scene::Scene& scene, const std::vector<double>& tole
                                 "objective, and no [[unknown]]",
                                 scene.file.string(),
                                 scene.objective ? "parameters to fit" : "no [objective]"));
+  for (auto it = tolerances.begin(); it != tolerances.end(); ++it)
+    if (std::find(tolerances.begin(), it, *it) != it)
+      throw UserError(fmt::format("--search-tolerances: found {} twice; give each tolerance once", *it));
   for (const double tolerance : tolerances)
     if (!(tolerance > 0 && tolerance <= 1))
       throw UserError(fmt::format(
@@ -52,16 +53,10 @@ void require_searches(const scene::Scene& scene, const std::vector<double>& tole
 SearchCost search_to(MPI_Comm comm, const scene::Scene& given, double tolerance) {
   scene::Scene scene = given;
   scene.optimizer.tolerance = tolerance;
-  switch (scene.optimizer.method) {
-  case scene::OptimizerMethod::lbfgs:
-    return search_by<optimize::Lbfgs>(comm, scene);
-  case scene::OptimizerMethod::newton_cg:
-    return search_by<optimize::NewtonCg>(comm, scene);
-  case scene::OptimizerMethod::projected_gradient:
-  case scene::OptimizerMethod::gauss_newton: // for fits only
-    break;
-  }
-  return search_by<optimize::ProjectedGradient>(comm, scene);
+  return drivers::with_method(scene.optimizer.method,
+                              [&]<template <optimize::TwiceDifferentiable> class Method>() {
+                                return search_by<Method>(comm, scene);
+                              });
 }
 
 std::vector<double> above_least(const std::vector<SearchCost>& searches) {

@@ -111,16 +111,17 @@ public:
       stop_after(*options_.budget - elapsed_.seconds());
     int status = 0;
     try {
+      const std::optional<Fingerprint> origin = root_ ? std::optional(origin_->of_search()) : std::nullopt;
       for (std::size_t i = 0; i < tolerances.size(); ++i) {
         CachedSearch found;
         if (root_)
-          found = store_->load(tolerances[i], origin_->of_search());
+          found = store_->load(tolerances[i], *origin);
         if (!on_all(comm_, found.cost.has_value())) {
           if (!found.unfit.empty())
             console_.line(
                 fmt::format("search {} of {} runs again: {}", i + 1, tolerances.size(), found.unfit));
           found.cost = search_to(comm_, scene_, tolerances[i]);
-          on_root(comm_, [&] { store_->save(*found.cost, origin_->of_search()); });
+          on_root(comm_, [&] { store_->save(*found.cost, *origin); });
           console_.line(fmt::format("search {} of {}: tolerance {:.3g}: {} + {} sweeps, {:.3g} s; {} so far",
                                     i + 1, tolerances.size(), tolerances[i], found.cost->forward_sweeps,
                                     found.cost->adjoint_sweeps, found.cost->seconds,

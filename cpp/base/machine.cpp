@@ -35,6 +35,22 @@ void use_threads(MPI_Comm comm, std::optional<int> asked) {
 
 int threads() { return omp_get_max_threads(); }
 
+double processor_seconds() {
+#ifdef RUSAGE_THREAD
+  constexpr int here = RUSAGE_THREAD;
+#else
+  constexpr int here = RUSAGE_SELF;
+#endif
+  double seconds = 0;
+  for (const int whose : {here, static_cast<int>(RUSAGE_CHILDREN)}) {
+    rusage usage{};
+    getrusage(whose, &usage);
+    for (const timeval& part : {usage.ru_utime, usage.ru_stime})
+      seconds += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+  }
+  return seconds;
+}
+
 double peak_memory() {
   // getrusage() would include the peak of the program that started this one, such as a notebook.
   std::ifstream status("/proc/self/status");

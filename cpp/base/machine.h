@@ -12,6 +12,10 @@ void use_threads(MPI_Comm comm, std::optional<int> asked);
 /// The number of threads in use.
 int threads();
 
+/// Processor time of this thread and of the programs that this process has run (the meshing program), s.
+/// Other programs on the machine hardly change it; waiting for threads and ranks counts.
+double processor_seconds();
+
 /// Peak resident memory of this process since its start or the last forget_peak_memory(), bytes.
 double peak_memory();
 

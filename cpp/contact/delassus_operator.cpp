@@ -74,7 +74,7 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
   // is accurate to. For a well-conditioned S one pass suffices.
   constexpr int most = 4;
   for (int pass = 0;; ++pass) {
-    condensation_->finish(work.half_solve, lambda, y);
+    condensation_->finish(work.half_solve, lambda, y); // y = D⁻¹ (r − N λ)
     rows_.apply_transpose(y, motion);
     double size = 0, defect = 0;
     for (std::size_t i = 0; i < motion.size(); ++i)
@@ -86,7 +86,7 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
     }
     if (defect <= digits * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
       return;
-    solve_active(set, work.b, work);
+    solve_active(set, work.b, work); // S_AA δλ = (Nᵀy − ψ)_A
     for (std::size_t i = 0; i < set.size(); ++i)
       lambda[set[i]] += work.b[i];
   }
@@ -94,7 +94,7 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
 
 void DelassusOperator::predict_gap(Vec r, const Guess& guess, std::span<const double> psi,
                                    std::span<double> gap, HalfSolve& half_solve) const {
-  condensation_->predict(r, guess, half_solve, gap);
+  condensation_->predict(r, guess, half_solve, gap); // Nᵀ y⁰, y⁰ = D⁻¹ r
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
@@ -133,6 +133,7 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
   }
   const ActiveSet& set = rows_.dependent() ? work.independent : step.set;
   work.b.clear();
+  // S_AA μ = (Nᵀ D⁻¹ r − value)_A
   for (int i : set)
     work.b.push_back(work.motion[i] - value[i]);
   solve_active(set, work.b, work);
@@ -176,6 +177,7 @@ void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const Law
   condensation_->prepare(all);
   work.factorised.clear();
   on_root<SolverFailure>(rows_.comm(), [&] {
+    // E S + F on the rows of the set
     const std::size_t n = all.size();
     work.factor.resize(n * n);
     for (std::size_t j = 0; j < n; ++j) { // column by column

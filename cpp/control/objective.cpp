@@ -33,7 +33,7 @@ double ObservedSet::norm(Vec y) const {
 TimeWeights::TimeWeights(const scene::Objective& scene, step::TimeGrid grid)
     : grid_(std::move(grid)), tracking_(scene.tracking), alpha_(scene.alpha), gamma_(scene.gamma) {}
 
-double TimeWeights::tracking_at(int k) const {
+double TimeWeights::tracking_at(int k) const { // θ (τ_k + τ_{k+1})/2, the trapezoidal rule
   return tracking_ * ((k > 0 ? grid_.length(k) : 0) + (k < grid_.steps() ? grid_.length(k + 1) : 0)) / 2;
 }
 
@@ -42,6 +42,7 @@ double TimeWeights::terminal_at(int k) const { return k == grid_.steps() ? 2 * g
 ObjectiveValue TimeWeights::value(const std::vector<double>& squared_distances, const ControlSpace& controls,
                                   const Control& u) const {
   ObjectiveValue value;
+  // Σ_k θ (τ_k + τ_{k+1})/4 |e_k|² + γ |e_N|² + α/2 Σ τ_k |u_k|² (method.md, section 3)
   for (int k = 0; k <= grid_.steps(); ++k) {
     const double squared = squared_distances[k];
     value.tracking += tracking_at(k) / 2 * squared;
@@ -125,6 +126,7 @@ double Objective::variation(const Control& u) const {
 }
 
 void Objective::add_weighted(int k, Vec y, Vec less, step::StateDual sum) const {
+  // ∂J/∂y_k = w_k W (y_k − y_d): the density w_k (y_k − y_d), or its product with W of objective.on
   const Vec out = !observed_.whole() ? Vec(work_) : sum.density;
   if (!observed_.whole())
     check(VecZeroEntries(out));

@@ -110,6 +110,7 @@ Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisatio
 Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& contact,
                               const step::DualAtStep& dual, double scale, const Control& u,
                               const AdjointObserver& visit) {
+  // g_k = α u_k + τ s/2 p_k (method.md, section 4)
   Control g = u;
   g.scale(scale);
   adjoint::sweep(stepper(), *work_, controls_->grid(), contact, dual, [&](int k, Vec p) {
@@ -307,6 +308,7 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
+  // δy of the load s W d on A_k, then its adjoint with w_k W δy_k in place of ∂J/∂y_k (method.md, section 4)
   LinearisedRun run(*this, d, on_current_contact());
   const std::unique_ptr<trajectory::StateStore> dy = current_->model.storage->place(run.integrator());
   run([&](const trajectory::Checkpoint& now) { dy->keep(now); });
@@ -321,6 +323,7 @@ Variables ReducedProblem::hessian_product(const Variables& d) {
     controls_->to_inner(h);
     return h;
   }
+  // (g(v + ε d) − g(v))/ε, since parameters change the contact problem itself
   const Variables here = gradient();
   const double length = std::sqrt(inner(d, d)), size = std::sqrt(inner(current_->v, current_->v));
   constexpr double part = 1e-5;

@@ -77,8 +77,10 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.contact_work -= sums.jump - sums.clamped_jump;
   if (stepper_.motion())
     now.external_work += tau * sums.reaction_power - sums.clamped_jump;
+  // E_k − E_{k−1} + τ w·Bw − (f_k + s W u_k)·(y_k − y_{k−1}) − F_k·(y_k − y_{k−1}) (method.md, section 2)
   now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
   now.contact_force = sums.contact_force;
+  // M (v_k − v_{k−1})/τ less loads, contact forces and reactions, summed over the nodes
   for (std::size_t c = 0; c < 3; ++c)
     now.momentum_residual[c] = sums.rate[c] - sums.applied[c] - sums.contact_force[c] - sums.reaction[c];
   // Internal forces must cancel, and the rate is a difference of momenta.
@@ -133,8 +135,8 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
       sums.rate[c] += inertia(i);
       sums.applied[c] += load[i];
       sums.contact_force[c] += force[i];
-      // Defect of the equation of motion in Crank–Nicolson form: the clamps' reaction on the clamped dofs and
-      // zero elsewhere.
+      // M (v_k − v_{k−1})/τ + B w + A (y_{k−1} + y_k)/2 − f_k − s W u_k − F_k: the clamps' reaction on the
+      // clamped dofs and zero elsewhere.
       defect[i] = inertia(i) + Bw[i] + (Ay0[i] + Ay1[i]) / 2 - load[i] - force[i];
     }
   for (const int dof : stepper_.clamped().dofs()) {

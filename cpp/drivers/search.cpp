@@ -4,11 +4,9 @@
 #include "base/error.h"
 #include "base/signals.h"
 #include "drivers/coarse_start.h"
+#include "drivers/methods.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search_results.h"
-#include "optimize/lbfgs.h"
-#include "optimize/newton_cg.h"
-#include "optimize/projected_gradient.h"
 #include <fmt/format.h>
 #include <limits>
 
@@ -187,21 +185,14 @@ SearchEnd fitted(const SearchSubject& subject, SearchLog& log) {
 }
 
 SearchEnd search(Searched& searched, SearchLog& log, const Console& console) {
-  using namespace optimize;
   const SearchSubject subject = searched.subject();
   problem::ControlProblem* control = searched.control();
   if (!control)
     return fitted(subject, log);
-  switch (subject.scene.optimizer.method) {
-  case scene::OptimizerMethod::lbfgs:
-    return minimised<Lbfgs>(subject, *control, log, console);
-  case scene::OptimizerMethod::newton_cg:
-    return minimised<NewtonCg>(subject, *control, log, console);
-  case scene::OptimizerMethod::projected_gradient:
-  case scene::OptimizerMethod::gauss_newton: // of parameters alone
-    break;
-  }
-  return minimised<ProjectedGradient>(subject, *control, log, console);
+  return with_method(subject.scene.optimizer.method,
+                     [&]<template <optimize::TwiceDifferentiable> class Method>() {
+                       return minimised<Method>(subject, *control, log, console);
+                     });
 }
 
 } // namespace

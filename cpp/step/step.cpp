@@ -115,6 +115,7 @@ Stepper::Workspace Stepper::workspace() const {
 
 void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source,
                               Workspace& work) const {
+  // r = R x + M (a z) + b source, with source = W density + vector
   const std::optional<double> rho = redistributed_mass_ ? std::nullopt : operators_.uniform_density;
   if (!source.density) {
     check(VecAXPBY(work.work, a, 0, z));
@@ -149,7 +150,7 @@ Vec predicted(const Scheme& scheme, const State& from, Vec work) {
   return work;
 }
 
-/// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}.
+/// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}, rate() = 2/τ (4.22).
 void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
   const double rate = scheme.rate();
   {
@@ -173,20 +174,22 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
                        ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
                                           out.contact.predictor, *work.predictor)
                        : nullptr;
-  Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved);
+  Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved); // v_{k−1} + j/τ
   if (motion_) {
     motion_->evaluate(in.step, *work.motion);
     momentum = motion_->driving(*work.motion, in.from.y(), momentum);
   }
+  // (4.21): r = R y_{k−1} + τ M (v_{k−1} + j/τ) + τ²/2 (f_k + s W u_k)
   right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   if (motion_)
     motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
+  // (4.21): D y_k + N λ_k = r, 0 ≤ λ_k ⊥ g(y_k) ≥ 0
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
     const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
     solver->solve(problem, *work.contact);
   } else
     with.solver->linear().solve(work.r, out.to.y());
-  set_velocity(scheme, in.from, jump, out.to);
+  set_velocity(scheme, in.from, jump, out.to); // (4.22)
   if (motion_)
     motion_->copy(work.motion->velocity, out.to.v());
   PetscReal size = 0;
@@ -286,14 +289,15 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
 }
 
 Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const {
-  if (!step.next) { // p_{N+1} and ω_{N+1} are zero
-    assemble(step.derivative, operators_, work.r);
+  if (!step.next) {                                // p_{N+1} and ω_{N+1} are zero
+    assemble(step.derivative, operators_, work.r); // (4.40): r = ∂J/∂y_N
     clamped_.clear(work.r);
     return nullptr;
   }
   const Scheme later = step.next->scheme;
   Vec jump = nullptr;
   if (predictor_ && !step.next->contact.predictor.empty()) {
+    // j = Π_{k+1} s − s, s = p_{k+1} − 2/τ_{k+1} ω_{k+1}
     check(VecWAXPY(work.work, -later.rate(), step.state.omega, step.state.p_next));
     jump =
         predictor_->linearised_jump(step.next->contact.predictor, work.work, *work.predictor, step.predictor);
@@ -302,22 +306,25 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
     const petsc::ReadArray p(step.state.p_next);
     const petsc::WriteArray omega(step.state.omega), momentum(work.moved);
     const double later_rate = later.rate();
+    // ω_k = τ_{k+1} p_{k+1} − ω_{k+1}; momentum: 2/τ_k ω_k − 2/τ_{k+1} ω_{k+1}
     for (std::size_t i = 0; i < omega.size(); ++i) {
       const double before = later.tau * p[i] - omega[i];
       momentum[i] = rate * before - later_rate * omega[i];
       omega[i] = before;
     }
   }
-  if (jump) {
+  if (jump) { // ω_k += τ_{k+1} j; momentum += (2/τ_k τ_{k+1} + 1) j
     check(VecAXPY(step.state.omega, later.tau, jump));
     check(VecAXPY(work.moved, rate * later.tau + 1, jump));
   }
+  // (4.41): r = R_{k+1} p_{k+1} + M momentum + ∂J/∂y_k
   right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
   return jump;
 }
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
+  // D_k p_k + N μ_k = r, p_k·ν_i = 0 for i in A_k
   solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
                       step.state.p, step.multipliers, work);
   ++adjoint_steps;

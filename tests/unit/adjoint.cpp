@@ -228,6 +228,7 @@ TEST_CASE("bubbles slide in the middle of edges in contact, and nowhere else", "
            {{0, 2}, {{0, 0.125, left}}},
            {{0, 1, 2, 6, 8, 9}, {{0, 0.125, left}, {0.125, 0, bottom}, {0.875, 0, bottom}}},
            {{3, 4, 5}, {{0, 0.625, left}, {0, 0.875, left}}}}) {
+    CAPTURE(active, middles);
     check(VecCopy(x, held));
     body.keep_bubbles(active, held);
     const petsc::ReadArray a(free), b(held);

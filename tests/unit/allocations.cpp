@@ -6,6 +6,7 @@
 #include "trajectory/trajectory.h"
 #include <atomic>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cstdlib>
 
 // Counts every call of malloc and its relatives in this program and its libraries, PETSc's and CHOLMOD's
@@ -75,58 +76,57 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
             int* volatile kept = new int; // not to be optimised away
             delete kept;
           }) == 1);
-  for (const char* setting : {"solver.linear=direct", "solver.linear=iterative", "contact.mass=massless",
-                              "time.scheme=contact-stabilized"}) {
-    const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
-    const problem::Problem& problem = ready.problem;
-    const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
-                                         *ready.scene.control);
-    const control::Control u = controls.interpolate({"0", "-1"}, "u");
-    const control::ControlForce force(controls, u);
-    const auto load = [&] { return problem.load(&force); };
-    Timers timers;
-    const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, {}, 1, timers);
-    trajectory::Trajectory trajectory(problem.stepper, problem.initial, storage);
-    trajectory.run(load()); // work space that CHOLMOD and PETSc make once
-    long stepping = 0, before = 0;
-    int contact_steps = 0, set_changes = 0;
-    (void)allocations([&] {
-      trajectory.run(load(), [&](const trajectory::Frame& frame) {
-        stepping +=
-            frame.step.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
-        contact_steps += !frame.contact.active.empty();
-        set_changes += frame.contact.vi_iterations > 0;
-        before = calls;
-      });
+  const char* setting = GENERATE(as<const char*>{}, "solver.linear=direct", "solver.linear=iterative",
+                                 "contact.mass=massless", "time.scheme=contact-stabilized");
+  CAPTURE(setting);
+  const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
+  const problem::Problem& problem = ready.problem;
+  const control::ControlSpace controls(problem.space, problem.operators, problem.grid, *ready.scene.control);
+  const control::Control u = controls.interpolate({"0", "-1"}, "u");
+  const control::ControlForce force(controls, u);
+  const auto load = [&] { return problem.load(&force); };
+  Timers timers;
+  const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, {}, 1, timers);
+  trajectory::Trajectory trajectory(problem.stepper, problem.initial, storage);
+  trajectory.run(load()); // work space that CHOLMOD and PETSc make once
+  long stepping = 0, before = 0;
+  int contact_steps = 0, set_changes = 0;
+  (void)allocations([&] {
+    trajectory.run(load(), [&](const trajectory::Frame& frame) {
+      stepping +=
+          frame.step.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
+      contact_steps += !frame.contact.active.empty();
+      set_changes += frame.contact.vi_iterations > 0;
+      before = calls;
     });
-    CHECK(contact_steps > 50);
-    CHECK(set_changes > 5);
-    CHECK(stepping == 0);
-    diagnostics::Balance weigh(problem.stepper);
-    long streaming = 0;
-    const auto stream = [&] {
-      trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(),
-                            [&](const trajectory::Frame& frame) {
-                              weigh(frame);
-                              streaming += frame.step.k > 1 ? calls - before : 0;
-                              before = calls;
-                            });
-    };
-    (void)allocations(stream);
-    CHECK(streaming == 0);
-    petsc::Vector dual = test::smooth(problem.space, 1);
-    long back = 0;
-    step::Stepper::Workspace work = problem.stepper.workspace();
-    (void)allocations([&] {
-      const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
-      adjoint::sweep(problem.stepper, work, problem.grid, trajectory.contact(), {problem.space, derivative},
-                     [&](int k, Vec) {
-                       back += k < problem.steps() ? calls - before : 0;
-                       before = calls;
-                     });
-    });
-    CHECK(back == 0);
-  }
+  });
+  CHECK(contact_steps > 50);
+  CHECK(set_changes > 5);
+  CHECK(stepping == 0);
+  diagnostics::Balance weigh(problem.stepper);
+  long streaming = 0;
+  const auto stream = [&] {
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(),
+                          [&](const trajectory::Frame& frame) {
+                            weigh(frame);
+                            streaming += frame.step.k > 1 ? calls - before : 0;
+                            before = calls;
+                          });
+  };
+  (void)allocations(stream);
+  CHECK(streaming == 0);
+  petsc::Vector dual = test::smooth(problem.space, 1);
+  long back = 0;
+  step::Stepper::Workspace work = problem.stepper.workspace();
+  (void)allocations([&] {
+    const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
+    adjoint::sweep(problem.stepper, work, problem.grid, trajectory.contact(), {problem.space, derivative},
+                   [&](int k, Vec) {
+                     back += k < problem.steps() ? calls - before : 0;
+                     before = calls;
+                   });
+  });
+  CHECK(back == 0);
 }
 
 TEST_CASE("steps between several obstacles, one of which moves, allocate nothing", "[forward]") {

@@ -5,6 +5,7 @@
 #include "linalg/simplex_qp.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -168,14 +169,14 @@ TEST_CASE("The best combination of vectors that are the same, on a line or aroun
   CHECK(std::abs(line[0]) < rounding);
   CHECK(std::abs(line[1] - 1) < rounding);
   // Zero in the interior of a simplex, once more with its centre and far from the first vertex.
-  for (const double far : {1.0, 1e3}) {
-    const std::vector<std::vector<double>> around{
-        {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-far, -far, -far}, {0, 0, 0}};
-    for (const std::size_t count : {4, 5}) {
-      const std::vector<std::vector<double>> g(around.begin(), around.begin() + static_cast<long>(count));
-      for (const double c : combined(g, shortest(g)))
-        CHECK(std::abs(c) < rounding);
-    }
+  const double far = GENERATE(1.0, 1e3);
+  CAPTURE(far);
+  const std::vector<std::vector<double>> around{
+      {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-far, -far, -far}, {0, 0, 0}};
+  for (const std::size_t count : {4, 5}) {
+    const std::vector<std::vector<double>> g(around.begin(), around.begin() + static_cast<long>(count));
+    for (const double c : combined(g, shortest(g)))
+      CHECK(std::abs(c) < rounding);
   }
 }
 
@@ -238,6 +239,7 @@ TEST_CASE("The best combination does not depend on units", "[base]") {
       prices.push_back(run % 2 ? uniform(random) : 0);
     const auto weights = simplex_qp(G, prices).value();
     for (const int exponent : {-60, 60}) {
+      CAPTURE(exponent);
       std::vector<double> other_G = G, other_prices = prices;
       for (double& x : other_G)
         x = std::ldexp(x, exponent);
@@ -264,6 +266,7 @@ TEST_CASE("The shortest combination is no longer along any of the vectors, whate
   std::normal_distribution<double> normal;
   for (const double length : {1.0, 1e-2, 1e-4})
     for (int run = 0; run < 20; ++run) {
+      CAPTURE(length, run);
       // n vectors that differ in some dimensions by 1 and share a short one in another.
       std::vector<std::vector<double>> g;
       for (int i = 0; i < 12; ++i) {
@@ -338,6 +341,7 @@ TEST_CASE("A sum of vectors does not depend on what it overwrites", "[base]") {
   const petsc::Vector x = vector(3, -5), y = vector(0.25, 7);
   for (const double a : {-1.0, 0.0, 0.5, 1.0})
     for (const double b : {-1.0, 0.0, 1.0, 2.0}) {
+      CAPTURE(a, b);
       const petsc::Vector out = vector(std::nan(""), INFINITY);
       petsc::combine(out, a, x, b, y);
       const petsc::ReadArray found(out);

@@ -21,6 +21,7 @@ void require_near(double found, double expected) { CHECK(std::abs(found / expect
 
 TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    CAPTURE(degree);
     const diagnostics::BodyFigures block = figures("tests/data/block.toml", {degree});
     CHECK((block.dim == 2 && block.warnings.empty()));
     require_near(block.extent[0], 1);

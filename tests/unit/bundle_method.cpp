@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize_search.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace signorini;
 using namespace signorini::test;
@@ -107,13 +108,13 @@ TEST_CASE("a looser tolerance is met no later, by gradients of the last iterates
 }
 
 TEST_CASE("on a smooth function iterates around the minimiser certify no kink", "[optimize]") {
-  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
-    Quadratic problem;
-    problem.lower = -1e300, problem.upper = 1e300;
-    Record record;
-    CHECK(minimise(Method::lbfgs, problem, start, {.tolerance = tolerance}, record) ==
-          optimize::Stop::gradient_tolerance);
-  }
+  const double tolerance = GENERATE(1e-2, 1e-3, 1e-4);
+  CAPTURE(tolerance);
+  Quadratic problem;
+  problem.lower = -1e300, problem.upper = 1e300;
+  Record record;
+  CHECK(minimise(Method::lbfgs, problem, start, {.tolerance = tolerance}, record) ==
+        optimize::Stop::gradient_tolerance);
 }
 
 TEST_CASE("rounding of blocked values neither ends a search nor keeps it for ever", "[optimize]") {

@@ -2,6 +2,7 @@
 #include "contact/pairs.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 
@@ -65,28 +66,28 @@ TEST_CASE("a clamp of one component leaves the others free", "[forward]") {
 }
 
 TEST_CASE("energy and momentum hold with moving clamps, tractions and contact", "[forward]") {
-  for (const char* linear : {"solver.linear=direct", "solver.linear=iterative"}) {
-    const test::Ready ready("tests/data/block.toml",
-                            {linear, "clamp=[{on=\"rest\", value=[\"0.05*sin(9*t)\", \"-0.3*t\"]}]",
-                             "time.end=1", "load.traction=[{on=\"bottom\", value=[\"x*sin(t)\", \"0.1\"]}]",
-                             "initial={displacement=[\"0\", \"0\"]}"});
-    const test::Recorded trajectory = run(ready);
-    const auto& balance = trajectory.balance;
-    int touched = 0;
-    double energy = 0, work = 0;
-    for (const auto& step : balance) {
-      energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
-      work += step.external_work;
-    }
-    for (std::size_t k = 1; k < balance.size(); ++k) {
-      touched += trajectory.contact[k].count(contact::Status::strong) > 0;
-      CHECK(std::abs(balance[k].energy_residual) < 1e-10 * energy);
-      CHECK(std::hypot(balance[k].momentum_residual[0], balance[k].momentum_residual[1]) <
-            1e-10 * balance[k].momentum_scale);
-    }
-    CHECK(touched > 2);
-    CHECK(std::abs(work) > 0.01 * energy);
+  const char* linear = GENERATE(as<const char*>{}, "solver.linear=direct", "solver.linear=iterative");
+  CAPTURE(linear);
+  const test::Ready ready("tests/data/block.toml",
+                          {linear, "clamp=[{on=\"rest\", value=[\"0.05*sin(9*t)\", \"-0.3*t\"]}]",
+                           "time.end=1", "load.traction=[{on=\"bottom\", value=[\"x*sin(t)\", \"0.1\"]}]",
+                           "initial={displacement=[\"0\", \"0\"]}"});
+  const test::Recorded trajectory = run(ready);
+  const auto& balance = trajectory.balance;
+  int touched = 0;
+  double energy = 0, work = 0;
+  for (const auto& step : balance) {
+    energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+    work += step.external_work;
   }
+  for (std::size_t k = 1; k < balance.size(); ++k) {
+    touched += trajectory.contact[k].count(contact::Status::strong) > 0;
+    CHECK(std::abs(balance[k].energy_residual) < 1e-10 * energy);
+    CHECK(std::hypot(balance[k].momentum_residual[0], balance[k].momentum_residual[1]) <
+          1e-10 * balance[k].momentum_scale);
+  }
+  CHECK(touched > 2);
+  CHECK(std::abs(work) > 0.01 * energy);
 }
 
 TEST_CASE("clamps have the velocity of their motion at all times", "[forward]") {
@@ -184,20 +185,21 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
   REQUIRE(stepper.motion());
   step::MovingClamps::At at = stepper.motion()->storage();
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
-  for (const int k : {4, 1, 0, 3}) {
-    stepper.motion()->evaluate(ready.problem.grid.step(2), at);
-    stepper.motion()->evaluate(ready.problem.grid.step(k), at);
-    const double t = ready.problem.grid.time(k);
-    ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false),
-                                    0, moving);
-    check(VecZeroEntries(exact));
-    stepper.motion()->copy(moving, exact);
-    CHECK(test::difference(at.velocity, exact) < 1e-9);
-  }
+  const int k = GENERATE(4, 1, 0, 3);
+  CAPTURE(k);
+  stepper.motion()->evaluate(ready.problem.grid.step(2), at);
+  stepper.motion()->evaluate(ready.problem.grid.step(k), at);
+  const double t = ready.problem.grid.time(k);
+  ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false), 0,
+                                  moving);
+  check(VecZeroEntries(exact));
+  stepper.motion()->copy(moving, exact);
+  CHECK(test::difference(at.velocity, exact) < 1e-9);
 }
 
 TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forward]") {
   for (const auto& [motion, velocity] : {std::pair{"0", "0"}, {"0.3*t", "0.3"}}) {
+    CAPTURE(motion, velocity);
     const auto with = [&](const char* solver) {
       return std::vector<std::string>{
           solver, "contact.on=boundary", fmt::format("initial.velocity=[\"{}\", \"-1\"]", velocity),

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -89,27 +90,27 @@ TEST_CASE("a gap that is not closed is no contact", "[contact]") {
 
 TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
   const Parts parts;
-  for (const double unit : {1e-9, 1e9}) {
-    petsc::Matrix D = Parts::copy(parts.D);
-    check(MatScale(D, unit));
-    const step::SolverChoice solver(std::move(D), &parts.pairs, parts.scene.solver, true);
-    const auto solve = [&](const contact::ContactState& expected, Vec r) {
-      petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
-      check(VecScale(scaled, unit));
-      contact::ContactState state(parts.pairs.count());
-      contact::Workspace work = solver.contact()->workspace();
-      const contact::ActiveSet none;
-      const contact::ContactProblem step{scaled, parts.pairs.psi(), none, state, y};
-      solver.contact()->solve(step, work);
-      CHECK(state.status == expected.status);
-    };
-    petsc::Vector y = parts.space.vector(), r = parts.space.vector();
-    for (int which = 0; which < 3; ++which)
-      solve(parts.solve(parts.pressing(which), y), parts.pressing(which));
-    parts.space.interpolate(scene::Field({"0", "-0.1 - 0.3*x - y"}, "test", false), 0, y);
-    check(MatMult(parts.D, y, r));
-    solve(parts.solve(r, y), r);
-  }
+  const double unit = GENERATE(1e-9, 1e9);
+  CAPTURE(unit);
+  petsc::Matrix D = Parts::copy(parts.D);
+  check(MatScale(D, unit));
+  const step::SolverChoice solver(std::move(D), &parts.pairs, parts.scene.solver, true);
+  const auto solve = [&](const contact::ContactState& expected, Vec r) {
+    petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
+    check(VecScale(scaled, unit));
+    contact::ContactState state(parts.pairs.count());
+    contact::Workspace work = solver.contact()->workspace();
+    const contact::ActiveSet none;
+    const contact::ContactProblem step{scaled, parts.pairs.psi(), none, state, y};
+    solver.contact()->solve(step, work);
+    CHECK(state.status == expected.status);
+  };
+  petsc::Vector y = parts.space.vector(), r = parts.space.vector();
+  for (int which = 0; which < 3; ++which)
+    solve(parts.solve(parts.pressing(which), y), parts.pressing(which));
+  parts.space.interpolate(scene::Field({"0", "-0.1 - 0.3*x - y"}, "test", false), 0, y);
+  check(MatMult(parts.D, y, r));
+  solve(parts.solve(r, y), r);
 }
 
 TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make",
@@ -150,6 +151,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
                                               {-0.5, 2 * allowed, contact::Status::open},
                                               {2.0, 0.5 * allowed, contact::Status::strong},
                                               {2.0, -0.5 * allowed, contact::Status::strong}}) {
+      CAPTURE(forces, gap, status);
       contact::ContactState s = state(i, forces * motion, gap);
       CHECK(complementarity.holds(s.lambda, s.gap, allowed, 0));
       s.active = {4, 3};
@@ -179,6 +181,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
     CHECK_THROWS_WITH(complementarity.classify(inside, still),
                       Catch::Matchers::ContainsSubstring("Penetration 1.000e-01 m"));
     for (const auto& [force, gap] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
+      CAPTURE(force, gap);
       contact::ContactState s = state(i, force, gap);
       CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);
     }

@@ -5,6 +5,7 @@
 #include "base/petsc.h"
 #include "contact/row_basis.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -131,8 +132,10 @@ TEST_CASE("multipliers are found from their forces, and motions prescribed by th
   const std::vector<double> value{0.1, 0.2, 7, 8, -0.4, 0.5};
   H.prescribe(set, value, x);
   H.apply_transpose(x, motion);
-  for (const std::size_t i : {0, 1, 4, 5})
+  for (const std::size_t i : {0, 1, 4, 5}) {
+    CAPTURE(i);
     CHECK(std::abs(motion[i] - value[i]) < 1e-15);
+  }
   check(VecAYPX(change, -1, x));
   CHECK(petsc::ReadArray(change)[3] == 0); // clamped
   // The smallest change is one by forces of these rows.
@@ -164,40 +167,40 @@ TEST_CASE("rows with other coefficients keep their dofs and clamps", "[contact]"
 
 TEST_CASE("a basis of rows finds shortest motions and forces", "[contact]") {
   // The same as one node of space, and among more dofs.
-  for (const std::size_t width : {std::size_t(3), std::size_t(5)}) {
-    std::vector<std::vector<double>> rows{{0, 0, 1}, {0, 0.6, 0.8}, {0, 1, 0}, {1, 1e-9, 0}};
-    for (std::vector<double>& row : rows)
-      row.resize(width);
-    const ConstraintRows H = dense_rows(rows);
-    contact::RowBasis basis(H);
-    CHECK(basis.add(0));
-    CHECK(basis.add(1));
-    CHECK_FALSE(basis.add(2)); // in the plane of the first two
-    CHECK(basis.add(3));
-    CHECK_FALSE(basis.add(0));
-    CHECK((basis.size() == 3 && basis.member(0) == 0 && basis.member(1) == 1 && basis.member(2) == 3));
-    contact::RowBasis::Coordinates values = basis.coordinates();
-    values[0] = 0.3, values[1] = -0.2, values[2] = 0.7;
-    std::vector<double> x(width);
-    basis.shortest(values);
-    basis.add_to(x, values);
-    CHECK(std::abs(x[2] - 0.3) < 1e-15);
-    CHECK(std::abs(0.6 * x[1] + 0.8 * x[2] + 0.2) < 1e-15);
-    CHECK(std::abs(x[0] + 1e-9 * x[1] - 0.7) < 1e-15);
-    // 2 a − b + 3 d.
-    std::vector<double> sum{3, -0.6 + 3e-9, 2 - 0.8};
-    sum.resize(width);
-    contact::RowBasis::Coordinates parts = basis.coordinates();
-    for (std::size_t k = 0; k < 3; ++k)
-      parts[k] = basis.along(k, sum);
-    basis.combine(parts);
-    CHECK(std::abs(parts[0] - 2) + std::abs(parts[1] + 1) + std::abs(parts[2] - 3) < 1e-14);
-    basis.coefficients(2, parts); // (0, 1, 0) = (b − 0.8 a)/0.6
-    CHECK(std::abs(parts[0] + 4.0 / 3) + std::abs(parts[1] - 5.0 / 3) + std::abs(parts[2]) < 1e-14);
-    basis.replace(1, 2);
-    CHECK((basis.size() == 3 && basis.member(1) == 2 && basis.member(2) == 3));
-    CHECK_FALSE(basis.add(1));
-  }
+  const std::size_t width = GENERATE(std::size_t(3), std::size_t(5));
+  CAPTURE(width);
+  std::vector<std::vector<double>> rows{{0, 0, 1}, {0, 0.6, 0.8}, {0, 1, 0}, {1, 1e-9, 0}};
+  for (std::vector<double>& row : rows)
+    row.resize(width);
+  const ConstraintRows H = dense_rows(rows);
+  contact::RowBasis basis(H);
+  CHECK(basis.add(0));
+  CHECK(basis.add(1));
+  CHECK_FALSE(basis.add(2)); // in the plane of the first two
+  CHECK(basis.add(3));
+  CHECK_FALSE(basis.add(0));
+  CHECK((basis.size() == 3 && basis.member(0) == 0 && basis.member(1) == 1 && basis.member(2) == 3));
+  contact::RowBasis::Coordinates values = basis.coordinates();
+  values[0] = 0.3, values[1] = -0.2, values[2] = 0.7;
+  std::vector<double> x(width);
+  basis.shortest(values);
+  basis.add_to(x, values);
+  CHECK(std::abs(x[2] - 0.3) < 1e-15);
+  CHECK(std::abs(0.6 * x[1] + 0.8 * x[2] + 0.2) < 1e-15);
+  CHECK(std::abs(x[0] + 1e-9 * x[1] - 0.7) < 1e-15);
+  // 2 a − b + 3 d.
+  std::vector<double> sum{3, -0.6 + 3e-9, 2 - 0.8};
+  sum.resize(width);
+  contact::RowBasis::Coordinates parts = basis.coordinates();
+  for (std::size_t k = 0; k < 3; ++k)
+    parts[k] = basis.along(k, sum);
+  basis.combine(parts);
+  CHECK(std::abs(parts[0] - 2) + std::abs(parts[1] + 1) + std::abs(parts[2] - 3) < 1e-14);
+  basis.coefficients(2, parts); // (0, 1, 0) = (b − 0.8 a)/0.6
+  CHECK(std::abs(parts[0] + 4.0 / 3) + std::abs(parts[1] - 5.0 / 3) + std::abs(parts[2]) < 1e-14);
+  basis.replace(1, 2);
+  CHECK((basis.size() == 3 && basis.member(1) == 2 && basis.member(2) == 3));
+  CHECK_FALSE(basis.add(1));
 }
 
 TEST_CASE("rows whose dofs are on several ranks are one cluster", "[contact]") {

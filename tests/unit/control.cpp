@@ -36,31 +36,31 @@ TEST_CASE("the product is that of L2(0,T; L2)", "[control]") {
 }
 
 TEST_CASE("clipping is the projection in the metric of a bounded control", "[control]") {
-  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    const test::Ready ready("tests/data/block.toml",
-                            {"control.lower=-0.4", "control.upper=[0.3, 0.6]", degree});
-    const problem::ControlProblem problem(ready.problem, test::silent());
-    const control::Control u = some(problem.controls, 0);
-    control::Control clipped = u;
-    problem.controls.project(clipped);
-    control::Control residual = u;
-    residual.add(-1, clipped);
-    REQUIRE(problem.controls.inner(residual, residual) > 0);
-    // ⟨u − Pu, w − Pu⟩ ≤ 0 for every admissible w characterises the projection.
-    for (int which = 1; which < 6; ++which) {
-      control::Control w = some(problem.controls, 3 * which);
-      problem.controls.project(w);
-      w.add(-1, clipped);
-      CHECK(problem.controls.inner(residual, w) <= 1e-14);
-    }
-    // Both metrics weigh constants alike, and represent the same functional.
-    const control::Control one = problem.controls.interpolate({"1", "0"}, "test");
-    CHECK(std::abs(problem.controls.inner(one, one) / problem.controls.product(one, one) - 1) < 1e-12);
-    control::Control g = some(problem.controls, 7);
-    const double functional = problem.controls.product(g, u);
-    problem.controls.to_inner(g);
-    CHECK(std::abs(problem.controls.inner(g, u) - functional) < 1e-12 * std::abs(functional));
+  const char* degree = GENERATE(as<const char*>{}, "mesh.degree=1", "mesh.degree=2");
+  CAPTURE(degree);
+  const test::Ready ready("tests/data/block.toml",
+                          {"control.lower=-0.4", "control.upper=[0.3, 0.6]", degree});
+  const problem::ControlProblem problem(ready.problem, test::silent());
+  const control::Control u = some(problem.controls, 0);
+  control::Control clipped = u;
+  problem.controls.project(clipped);
+  control::Control residual = u;
+  residual.add(-1, clipped);
+  REQUIRE(problem.controls.inner(residual, residual) > 0);
+  // ⟨u − Pu, w − Pu⟩ ≤ 0 for every admissible w characterises the projection.
+  for (int which = 1; which < 6; ++which) {
+    control::Control w = some(problem.controls, 3 * which);
+    problem.controls.project(w);
+    w.add(-1, clipped);
+    CHECK(problem.controls.inner(residual, w) <= 1e-14);
   }
+  // Both metrics weigh constants alike, and represent the same functional.
+  const control::Control one = problem.controls.interpolate({"1", "0"}, "test");
+  CHECK(std::abs(problem.controls.inner(one, one) / problem.controls.product(one, one) - 1) < 1e-12);
+  control::Control g = some(problem.controls, 7);
+  const double functional = problem.controls.product(g, u);
+  problem.controls.to_inner(g);
+  CHECK(std::abs(problem.controls.inner(g, u) - functional) < 1e-12 * std::abs(functional));
 }
 
 TEST_CASE("a first guess that is not written is moved into the bounds too", "[control]") {
@@ -80,14 +80,14 @@ TEST_CASE("a control that changes in time pushes by its mean over each step", "[
                           {"load.body=[\"0\", \"0\"]", "control.initial=[\"sin(9*t)\", \"sin(9*t)\"]",
                            chosen ? "time={end=0.6, step=\"auto\", tolerance=1e-2}" : "time.step=0.02"});
   const problem::GivenControl given(ready.problem);
-  for (const int k : {1, 2, 17, 3}) {
-    const step::TimeStep step =
-        chosen ? step::TimeStep{k, 0.02 * (k - 1), 0.02 * k, 0.02} : ready.problem.grid.step(k);
-    const double mean = (std::cos(9 * step.begin) - std::cos(9 * step.end)) / (9 * step.tau);
-    const petsc::Vector density = petsc::copy(given.load().at(step).density);
-    petsc::check(VecShift(density, -mean));
-    CHECK(test::largest(density) < 1e-12);
-  }
+  const int k = GENERATE(1, 2, 17, 3);
+  CAPTURE(k);
+  const step::TimeStep step =
+      chosen ? step::TimeStep{k, 0.02 * (k - 1), 0.02 * k, 0.02} : ready.problem.grid.step(k);
+  const double mean = (std::cos(9 * step.begin) - std::cos(9 * step.end)) / (9 * step.tau);
+  const petsc::Vector density = petsc::copy(given.load().at(step).density);
+  petsc::check(VecShift(density, -mean));
+  CHECK(test::largest(density) < 1e-12);
 }
 
 TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
@@ -191,6 +191,7 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
 TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
   for (const char* on : {"", "rest"})
     for (const char* kind : {"nodal", "cellwise"}) {
+      CAPTURE(on, kind);
       std::vector<std::string> overrides{fmt::format("control.space={}", kind), "control.scale=2"};
       if (*on)
         overrides.push_back(fmt::format("control.on={}", on));

@@ -6,6 +6,7 @@
 #include "contact_parts.h"
 #include "linalg/threaded_product.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <fmt/format.h>
 #include <functional>
 #include <optional>
@@ -68,6 +69,7 @@ TEST_CASE("solves are the same to the last bit on any number of threads", "[cont
   const petsc::Vector r = parts.pressing(1);
   std::vector<double> first;
   for (int n : {1, 2, 3, 7}) {
+    CAPTURE(n);
     use_threads(MPI_COMM_WORLD, n);
     SparseCholesky cholesky(parts.D, trailing_block);
     cholesky.factorise();
@@ -106,6 +108,7 @@ TEST_CASE("products are PETSc's, and the same to the last bit on any number of t
       thread_products(mine);
       for (const bool added : {false, true})
         for (int n : {1, 2, 3, 5}) {
+          CAPTURE(added, n);
           use_threads(MPI_COMM_WORLD, n);
           if (added) {
             check(MatMultAdd(theirs, x, z, expected));
@@ -132,45 +135,45 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
   if (ranks(MPI_COMM_WORLD) > 1)
     return; // CHOLMOD factorises on one rank
   // On both sides of the size from which CHOLMOD works on supernodes.
-  for (const char* size : {"mesh.size=0.2", "mesh.size=0.01"}) {
-    const Parts parts({size, "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
-    const int m = parts.pairs.count();
-    std::vector<int> trailing_block;
-    for (PetscInt dof : parts.pairs.first_dofs())
-      trailing_block.push_back(static_cast<int>(dof / 2));
-    SparseCholesky cholesky(parts.D, trailing_block);
-    const double estimate = cholesky.estimate();
-    cholesky.factorise();
-    CHECK(cholesky.bytes() < 1.2 * estimate);
-    CHECK(cholesky.bytes() > 0.5 * estimate);
-    MumpsSolver mumps(parts.D);
-    mumps.factorise();
-    const contact::TrailingBlockCondensation fast(parts.pairs.rows(), cholesky);
-    const contact::StoredColumnsCondensation slow(parts.pairs.rows(), mumps, parts.space.vector(), 0);
-    const std::vector<double> S = condensed(fast, parts.pairs.count()),
-                              T = condensed(slow, parts.pairs.count());
-    double worst = 0;
-    for (std::size_t i = 0; i < S.size(); ++i)
-      worst = std::max(worst, std::abs(S[i] - T[i]));
-    CHECK(worst < 1e-12 * *std::ranges::max_element(T));
-    const petsc::Vector r = parts.pressing(1);
-    petsc::Vector y = parts.space.vector(), z = parts.space.vector(), target = parts.space.vector();
-    mumps.solve(r, target);
-    std::vector<double> a(static_cast<std::size_t>(m)), b(a.size()), lambda(a.size());
-    contact::HalfSolve of_fast = fast.half_solve(), of_slow = slow.half_solve();
-    fast.predict(r, {}, of_fast, a);
-    slow.predict(r, {}, of_slow, b);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      CHECK(std::abs(a[i] - b[i]) < 1e-12 * test::largest(target));
-      lambda[i] = i % 3 == 0 ? 0.1 * std::cos(static_cast<double>(i)) * test::largest(r) : 0;
-    }
-    for (const double scale : {1.0, 0.0, -2.0}) { // repeatable
-      for (double& force : lambda)
-        force *= scale;
-      fast.finish(of_fast, lambda, y);
-      slow.finish(of_slow, lambda, z);
-      CHECK(test::difference(y, z) < 1e-12 * test::largest(z));
-    }
+  const char* size = GENERATE(as<const char*>{}, "mesh.size=0.2", "mesh.size=0.01");
+  CAPTURE(size);
+  const Parts parts({size, "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
+  const int m = parts.pairs.count();
+  std::vector<int> trailing_block;
+  for (PetscInt dof : parts.pairs.first_dofs())
+    trailing_block.push_back(static_cast<int>(dof / 2));
+  SparseCholesky cholesky(parts.D, trailing_block);
+  const double estimate = cholesky.estimate();
+  cholesky.factorise();
+  CHECK(cholesky.bytes() < 1.2 * estimate);
+  CHECK(cholesky.bytes() > 0.5 * estimate);
+  MumpsSolver mumps(parts.D);
+  mumps.factorise();
+  const contact::TrailingBlockCondensation fast(parts.pairs.rows(), cholesky);
+  const contact::StoredColumnsCondensation slow(parts.pairs.rows(), mumps, parts.space.vector(), 0);
+  const std::vector<double> S = condensed(fast, parts.pairs.count()),
+                            T = condensed(slow, parts.pairs.count());
+  double worst = 0;
+  for (std::size_t i = 0; i < S.size(); ++i)
+    worst = std::max(worst, std::abs(S[i] - T[i]));
+  CHECK(worst < 1e-12 * *std::ranges::max_element(T));
+  const petsc::Vector r = parts.pressing(1);
+  petsc::Vector y = parts.space.vector(), z = parts.space.vector(), target = parts.space.vector();
+  mumps.solve(r, target);
+  std::vector<double> a(static_cast<std::size_t>(m)), b(a.size()), lambda(a.size());
+  contact::HalfSolve of_fast = fast.half_solve(), of_slow = slow.half_solve();
+  fast.predict(r, {}, of_fast, a);
+  slow.predict(r, {}, of_slow, b);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    CHECK(std::abs(a[i] - b[i]) < 1e-12 * test::largest(target));
+    lambda[i] = i % 3 == 0 ? 0.1 * std::cos(static_cast<double>(i)) * test::largest(r) : 0;
+  }
+  for (const double scale : {1.0, 0.0, -2.0}) { // repeatable
+    for (double& force : lambda)
+      force *= scale;
+    fast.finish(of_fast, lambda, y);
+    slow.finish(of_slow, lambda, z);
+    CHECK(test::difference(y, z) < 1e-12 * test::largest(z));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
 using namespace signorini;
@@ -35,62 +36,61 @@ double energy(Mat matrix, Vec x) {
 } // namespace
 
 TEST_CASE("operators integrate what they should", "[fem]") {
-  for (int degree : {1, 2}) {
-    const Body body(degree);
-    const scene::Material& material = body.scene.materials.front();
-    const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}),
-                        shear = body.field({"y", "0"});
-    CHECK(std::abs(energy(*body.operators.W, unit) - 1) < 1e-13);
-    CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
-    CHECK(std::abs(energy(*body.operators.W, linear) - 2.0 / 3) < 1e-13);
-    const double lambda =
-        material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
-    const double mu = material.young / (2 * (1 + material.poisson));
-    // eps = I: tr = 2 in plane strain, so (2 lambda + 2 mu) 2; eps = sym(e1 e2): 2 mu / 2.
-    CHECK(std::abs(energy(body.operators.A, linear) / (4 * lambda + 4 * mu) - 1) < 1e-13);
-    CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
-    const double kappa = material.viscosity->bulk, eta = material.viscosity->shear;
-    CHECK(std::abs(energy(*body.operators.B, linear) / (4 * (kappa - 2 * eta / 3) + 4 * eta) - 1) < 1e-13);
-    CHECK(std::abs(energy(*body.operators.B, shear) / eta - 1) < 1e-13);
-  }
+  const int degree = GENERATE(1, 2);
+  CAPTURE(degree);
+  const Body body(degree);
+  const scene::Material& material = body.scene.materials.front();
+  const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}),
+                      shear = body.field({"y", "0"});
+  CHECK(std::abs(energy(*body.operators.W, unit) - 1) < 1e-13);
+  CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
+  CHECK(std::abs(energy(*body.operators.W, linear) - 2.0 / 3) < 1e-13);
+  const double lambda =
+      material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+  const double mu = material.young / (2 * (1 + material.poisson));
+  // eps = I: tr = 2 in plane strain, so (2 lambda + 2 mu) 2; eps = sym(e1 e2): 2 mu / 2.
+  CHECK(std::abs(energy(body.operators.A, linear) / (4 * lambda + 4 * mu) - 1) < 1e-13);
+  CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
+  const double kappa = material.viscosity->bulk, eta = material.viscosity->shear;
+  CHECK(std::abs(energy(*body.operators.B, linear) / (4 * (kappa - 2 * eta / 3) + 4 * eta) - 1) < 1e-13);
+  CHECK(std::abs(energy(*body.operators.B, shear) / eta - 1) < 1e-13);
 }
 
 TEST_CASE("operators integrate what they should in space", "[fem]") {
-  for (int degree : {1, 2}) {
-    const Body body(degree, "tests/data/manufactured-space.toml");
-    const scene::Material& material = body.scene.materials.front();
-    const petsc::Vector unit = body.field({"0", "0", "1"}), linear = body.field({"x", "y", "z"}),
-                        shear = body.field({"0", "z", "0"});
-    CHECK(std::abs(energy(*body.operators.W, unit) - 1) < 1e-13);
-    CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
-    CHECK(std::abs(energy(*body.operators.W, linear) - 1) < 1e-13);
-    const double lambda =
-        material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
-    const double mu = material.young / (2 * (1 + material.poisson));
-    // eps = I: tr = 3, so (3 lambda + 2 mu) 3; eps = sym(e2 e3): 2 mu / 2.
-    CHECK(std::abs(energy(body.operators.A, linear) / (9 * lambda + 6 * mu) - 1) < 1e-13);
-    CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
-    CHECK(std::abs(energy(*body.operators.B, linear) / (9 * material.viscosity->bulk) - 1) <
-          1e-13); // no shear
-    CHECK(std::abs(energy(*body.operators.B, shear) / material.viscosity->shear - 1) < 1e-13);
-    for (const scene::Components& rigid : {scene::Components{"1", "0", "0"},
-                                           {"0", "0", "1"},
-                                           {"-y", "x", "0"},
-                                           {"0", "-z", "y"},
-                                           {"z", "0", "-x"}}) {
-      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12);
-      CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
-    }
+  const int degree = GENERATE(1, 2);
+  CAPTURE(degree);
+  const Body body(degree, "tests/data/manufactured-space.toml");
+  const scene::Material& material = body.scene.materials.front();
+  const petsc::Vector unit = body.field({"0", "0", "1"}), linear = body.field({"x", "y", "z"}),
+                      shear = body.field({"0", "z", "0"});
+  CHECK(std::abs(energy(*body.operators.W, unit) - 1) < 1e-13);
+  CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
+  CHECK(std::abs(energy(*body.operators.W, linear) - 1) < 1e-13);
+  const double lambda =
+      material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+  const double mu = material.young / (2 * (1 + material.poisson));
+  // eps = I: tr = 3, so (3 lambda + 2 mu) 3; eps = sym(e2 e3): 2 mu / 2.
+  CHECK(std::abs(energy(body.operators.A, linear) / (9 * lambda + 6 * mu) - 1) < 1e-13);
+  CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
+  CHECK(std::abs(energy(*body.operators.B, linear) / (9 * material.viscosity->bulk) - 1) < 1e-13); // no shear
+  CHECK(std::abs(energy(*body.operators.B, shear) / material.viscosity->shear - 1) < 1e-13);
+  for (const scene::Components& rigid : {scene::Components{"1", "0", "0"},
+                                         {"0", "0", "1"},
+                                         {"-y", "x", "0"},
+                                         {"0", "-z", "y"},
+                                         {"z", "0", "-x"}}) {
+    CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12);
+    CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
   }
 }
 
 TEST_CASE("rigid motions have no elastic or viscous energy", "[fem]") {
-  for (int degree : {1, 2}) {
-    const Body body(degree);
-    for (const scene::Components& rigid : {scene::Components{"1", "0"}, {"0", "1"}, {"-y", "x"}}) {
-      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12 * body.scene.materials.front().young);
-      CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
-    }
+  const int degree = GENERATE(1, 2);
+  CAPTURE(degree);
+  const Body body(degree);
+  for (const scene::Components& rigid : {scene::Components{"1", "0"}, {"0", "1"}, {"-y", "x"}}) {
+    CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12 * body.scene.materials.front().young);
+    CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
   }
 }
 
@@ -111,6 +111,7 @@ TEST_CASE("a linear function is embedded in degree 2 as itself", "[fem]") {
 TEST_CASE("parts with the same material are one body", "[fem]") {
   for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"})
     for (int degree : {1, 2}) {
+      CAPTURE(name, degree);
       const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
       const fem::Space space(mesh, degree);
       const scene::Material material{std::nullopt, 2, 3, 0.3, scene::Viscosity{0.4, 0.7}};
@@ -141,6 +142,7 @@ TEST_CASE("every part has the mass and the energies of its own material", "[fem]
   std::vector<scene::Material> materials{{"left", 2, 3, 0.3, std::nullopt},
                                          {"right", 7, 5, 0.2, scene::Viscosity{0.4, 0.9}}};
   for (int degree : {1, 2}) {
+    CAPTURE(degree);
     const fem::Space space(mesh, degree);
     const fem::Operators operators = fem::assemble_operators(space, materials, false);
     const auto field = [&](const scene::Components& components) {
@@ -178,23 +180,24 @@ TEST_CASE("every part has the mass and the energies of its own material", "[fem]
 
 TEST_CASE("a cell without a material, or with two, is refused with its place", "[fem]") {
   const std::string middle = "at (1."; // of a cell on the right
-  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"}) {
-    const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
-    const auto on = [](const char* group) { return scene::Material{group, 1, 1, 0, std::nullopt}; };
-    const scene::Material left = on("left"), right = on("right"), body = on("body"), end = on("end");
-    CHECK(fem::parts(mesh, {right, left}).size() == 2);
-    CHECK_THROWS_WITH(fem::parts(mesh, {left}), ContainsSubstring(middle) && ContainsSubstring("no group") &&
-                                                    ContainsSubstring("(left)"));
-    CHECK_THROWS_WITH(fem::parts(mesh, {body, right}),
-                      ContainsSubstring(middle) && ContainsSubstring("\"body\" and \"right\""));
-    CHECK_THROWS_WITH(fem::parts(mesh, {left, end}),
-                      ContainsSubstring("material[1].on") && ContainsSubstring("\"end\""));
-  }
+  const char* name = GENERATE(as<const char*>{}, "tests/data/parts.geo", "tests/data/parts-space.geo");
+  CAPTURE(name);
+  const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
+  const auto on = [](const char* group) { return scene::Material{group, 1, 1, 0, std::nullopt}; };
+  const scene::Material left = on("left"), right = on("right"), body = on("body"), end = on("end");
+  CHECK(fem::parts(mesh, {right, left}).size() == 2);
+  CHECK_THROWS_WITH(fem::parts(mesh, {left}), ContainsSubstring(middle) && ContainsSubstring("no group") &&
+                                                  ContainsSubstring("(left)"));
+  CHECK_THROWS_WITH(fem::parts(mesh, {body, right}),
+                    ContainsSubstring(middle) && ContainsSubstring("\"body\" and \"right\""));
+  CHECK_THROWS_WITH(fem::parts(mesh, {left, end}),
+                    ContainsSubstring("material[1].on") && ContainsSubstring("\"end\""));
 }
 
 TEST_CASE("the L2 product over a part or a surface", "[fem]") {
   for (const auto& [name, dim] : {std::pair{"tests/data/parts.geo", 2}, {"tests/data/parts-space.geo", 3}})
     for (int degree : {1, 2}) {
+      CAPTURE(name, dim, degree);
       const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
       const fem::Space space(mesh, degree);
       const petsc::Vector unit = space.vector(), linear = space.vector();

@@ -74,6 +74,7 @@ TEST_CASE("a rigid body first touches when closed forms say so", "[forward]") {
 TEST_CASE("the first touch of a run is the one that was foreseen", "[forward]") {
   for (const Settings& settings :
        {cases[0].settings, cases[2].settings, cases[3].settings, cases[4].settings}) {
+    CAPTURE(settings);
     const test::Ready ready("tests/data/block.toml", above_floor(settings));
     const problem::Problem& problem = ready.problem;
     diagnostics::ObstacleForces forces(problem.stepper);

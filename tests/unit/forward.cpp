@@ -3,6 +3,7 @@
 #include "fixtures.h"
 #include "trajectory/time_integrator.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <fmt/format.h>
@@ -71,21 +72,21 @@ TEST_CASE("all of a body falls alike under gravity, whatever its density and its
 }
 
 TEST_CASE("gravity is the density as a body force, and may change with time", "[forward]") {
-  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    // Of uniform density: the same vector, and so the same motion and contact.
-    const test::Ready force("tests/data/block.toml", {degree, "material.density=3", "load.body=[\"t\", -3]"}),
-        gravity("tests/data/block.toml", {degree, "material.density=3", "load={gravity = [\"t/3\", -1]}"});
-    const test::Recorded a = run(force), b = run(gravity);
-    int touched = 0;
-    for (std::size_t k = 0; k < a.contact.size(); ++k) {
-      CHECK(test::difference(a.y[k], b.y[k]) < 1e-12); // 1e-14 found
-      touched += a.contact[k].count(contact::Status::strong) > 0;
-    }
-    CHECK(touched > 0);
-    CHECK_FALSE(step::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
-                                gravity.problem.stepper.end())
-                    .has_density());
+  const char* degree = GENERATE(as<const char*>{}, "mesh.degree=1", "mesh.degree=2");
+  CAPTURE(degree);
+  // Of uniform density: the same vector, and so the same motion and contact.
+  const test::Ready force("tests/data/block.toml", {degree, "material.density=3", "load.body=[\"t\", -3]"}),
+      gravity("tests/data/block.toml", {degree, "material.density=3", "load={gravity = [\"t/3\", -1]}"});
+  const test::Recorded a = run(force), b = run(gravity);
+  int touched = 0;
+  for (std::size_t k = 0; k < a.contact.size(); ++k) {
+    CHECK(test::difference(a.y[k], b.y[k]) < 1e-12); // 1e-14 found
+    touched += a.contact[k].count(contact::Status::strong) > 0;
   }
+  CHECK(touched > 0);
+  CHECK_FALSE(step::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
+                              gravity.problem.stepper.end())
+                  .has_density());
 }
 
 TEST_CASE("energy, momentum and complementarity hold through contact", "[forward]") {
@@ -180,23 +181,22 @@ TEST_CASE("without loads and viscosity energy never grows, and is kept without c
 
 TEST_CASE("a traction pushes with its resultant", "[forward]") {
   // Linear in time and space: the midpoint rule and the interpolation are exact.
-  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    const test::Ready ready("tests/data/block.toml",
-                            {degree, "time.end=0.2", "load={traction=[{on=\"rest\", value=[\"t\", \"y\"]}]}",
-                             "initial.velocity=[\"0\", \"0\"]"});
-    const test::Recorded trajectory = run(ready);
-    for (const auto& contact : trajectory.contact)
-      REQUIRE(contact.active.empty());
-    petsc::Vector momentum = ready.problem.space.vector();
-    check(MatMult(ready.problem.operators.M, trajectory.v.back(), momentum));
-    const double T = ready.scene.time.end;
-    for (const auto& [direction, exact] :
-         {std::pair{scene::Components{"1", "0"}, 3 * T * T / 2}, // three sides
-          {{"0", "1"}, (0.5 + 0.5 + 1) * T}}) {
-      petsc::Vector unit = ready.problem.space.vector();
-      ready.problem.space.interpolate(scene::Field(direction, "test", false), 0, unit);
-      CHECK(std::abs(petsc::dot(momentum, unit) / exact - 1) < 1e-11);
-    }
+  const char* degree = GENERATE(as<const char*>{}, "mesh.degree=1", "mesh.degree=2");
+  CAPTURE(degree);
+  const test::Ready ready("tests/data/block.toml",
+                          {degree, "time.end=0.2", "load={traction=[{on=\"rest\", value=[\"t\", \"y\"]}]}",
+                           "initial.velocity=[\"0\", \"0\"]"});
+  const test::Recorded trajectory = run(ready);
+  for (const auto& contact : trajectory.contact)
+    REQUIRE(contact.active.empty());
+  petsc::Vector momentum = ready.problem.space.vector();
+  check(MatMult(ready.problem.operators.M, trajectory.v.back(), momentum));
+  const double T = ready.scene.time.end;
+  for (const auto& [direction, exact] : {std::pair{scene::Components{"1", "0"}, 3 * T * T / 2}, // three sides
+                                         {{"0", "1"}, (0.5 + 0.5 + 1) * T}}) {
+    petsc::Vector unit = ready.problem.space.vector();
+    ready.problem.space.interpolate(scene::Field(direction, "test", false), 0, unit);
+    CHECK(std::abs(petsc::dot(momentum, unit) / exact - 1) < 1e-11);
   }
 }
 
@@ -236,41 +236,41 @@ TEST_CASE("a solution that is not finite ends the run with its step", "[forward]
 TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]") {
   // Seen from a frame that moves at (0.3, 0.7) m/s nothing else changes: the body is free, its load is
   // constant.
-  for (const char* solver : {"solver.vi=condensed", "solver.vi=full", "solver.linear=iterative"}) {
-    const test::Ready rest("tests/data/block.toml", {solver, "initial.velocity=[\"0.2\", \"-1\"]"}),
-        moving("tests/data/block.toml", {solver, "initial.velocity=[\"0.5\", \"-0.3\"]",
-                                         "contact.obstacle.point=[\"0.3*t\", \"-0.1 + 0.7*t\"]"});
-    const test::Recorded a = run(rest), b = run(moving);
-    petsc::Vector shift = rest.problem.space.vector();
-    int touched = 0;
-    double force = 0, defect = 0;
-    for (std::size_t k = 0; k < a.contact.size(); ++k) {
-      const double t = rest.problem.grid.time(static_cast<int>(k));
-      rest.problem.space.interpolate(
-          scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0,
-          shift);
-      check(VecAXPY(shift, 1, a.y[k]));
-      CHECK(test::difference(shift, b.y[k]) <
-            (rest.problem.stepper.solver().tolerance() > 0 ? 1e-10 : 1e-13));
-      CHECK(a.contact[k].active == b.contact[k].active);
-      touched += a.contact[k].count(contact::Status::strong) > 0;
-      for (std::size_t i = 0; i < a.contact[k].lambda.size(); ++i) {
-        force = std::max(force, a.contact[k].lambda[i]);
-        defect = std::max(defect, std::abs(a.contact[k].lambda[i] - b.contact[k].lambda[i]));
-      }
+  const char* solver =
+      GENERATE(as<const char*>{}, "solver.vi=condensed", "solver.vi=full", "solver.linear=iterative");
+  CAPTURE(solver);
+  const test::Ready rest("tests/data/block.toml", {solver, "initial.velocity=[\"0.2\", \"-1\"]"}),
+      moving("tests/data/block.toml", {solver, "initial.velocity=[\"0.5\", \"-0.3\"]",
+                                       "contact.obstacle.point=[\"0.3*t\", \"-0.1 + 0.7*t\"]"});
+  const test::Recorded a = run(rest), b = run(moving);
+  petsc::Vector shift = rest.problem.space.vector();
+  int touched = 0;
+  double force = 0, defect = 0;
+  for (std::size_t k = 0; k < a.contact.size(); ++k) {
+    const double t = rest.problem.grid.time(static_cast<int>(k));
+    rest.problem.space.interpolate(
+        scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0,
+        shift);
+    check(VecAXPY(shift, 1, a.y[k]));
+    CHECK(test::difference(shift, b.y[k]) < (rest.problem.stepper.solver().tolerance() > 0 ? 1e-10 : 1e-13));
+    CHECK(a.contact[k].active == b.contact[k].active);
+    touched += a.contact[k].count(contact::Status::strong) > 0;
+    for (std::size_t i = 0; i < a.contact[k].lambda.size(); ++i) {
+      force = std::max(force, a.contact[k].lambda[i]);
+      defect = std::max(defect, std::abs(a.contact[k].lambda[i] - b.contact[k].lambda[i]));
     }
-    CHECK(touched > 5);
-    CHECK(defect < 1e-9 * force);
-    // At rest the plane takes energy at most; as it moves it pushes.
-    const auto work = [](const test::Recorded& trajectory) {
-      double largest = 0;
-      for (const auto& step : trajectory.balance)
-        largest = std::max(largest, step.contact_work);
-      return largest;
-    };
-    CHECK(work(a) < 1e-12);
-    CHECK(work(b) > 0.01);
   }
+  CHECK(touched > 5);
+  CHECK(defect < 1e-9 * force);
+  // At rest the plane takes energy at most; as it moves it pushes.
+  const auto work = [](const test::Recorded& trajectory) {
+    double largest = 0;
+    for (const auto& step : trajectory.balance)
+      largest = std::max(largest, step.contact_work);
+    return largest;
+  };
+  CHECK(work(a) < 1e-12);
+  CHECK(work(b) > 0.01);
 }
 
 TEST_CASE("a stiff body without a clamp lands without the contact set cycling", "[forward]") {

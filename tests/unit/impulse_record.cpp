@@ -34,8 +34,10 @@ TEST_CASE("the figures of half a sine of force are those of closed forms", "[for
   INFO("steps of " << tau);
   const ImpulseRecord record = half_sine(tau);
   CHECK(std::abs(record.total() - 2 / pi) < 1e-12);
-  for (const double t : {0.1, 0.4, 0.75, 1.1, 1.9})
+  for (const double t : {0.1, 0.4, 0.75, 1.1, 1.9}) {
+    CAPTURE(t);
     CHECK(std::abs(record.until(t) - impulse(t)) < pi * tau * tau); // linear within a step
+  }
   CHECK(std::abs(record.mean(0.5, 0.9) - (impulse(0.9) - impulse(0.5)) / 0.4) < 10 * pi * tau * tau);
   const auto time_of = [](double part) { return begin + std::acos(1 - 2 * part) / pi; };
   const auto [from, to] = record.between(0.1, 0.7);
@@ -43,6 +45,7 @@ TEST_CASE("the figures of half a sine of force are those of closed forms", "[for
   CHECK(std::abs(to - time_of(0.7)) < 10 * tau * tau);
   CHECK(std::abs(record.duration() - (time_of(0.99) - time_of(0.01))) < 100 * tau * tau);
   for (const double window : {0.1, 0.4}) {
+    CAPTURE(window);
     const ImpulseRecord::Mean most = record.largest_mean(window);
     CHECK(most.over == window);
     CHECK(std::abs(most.force - 2 / (pi * window) * std::sin(pi * window / 2)) < 10 * tau * tau / window);

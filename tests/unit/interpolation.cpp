@@ -2,6 +2,7 @@
 #include "control/interpolation.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace signorini;
 
@@ -43,6 +44,7 @@ TEST_CASE("a linear control is the same on any mesh", "[control]") {
            {{there, "control.on=rest", twice}, {here, "control.on=rest"}},
            {{there, y_alone[0], y_alone[1]}, {here, y_alone[0], y_alone[1]}},
            {{there}, {here, "control.space=cellwise"}}}) {
+    CAPTURE(from, to);
     const Space coarse(from), fine(to);
     const bool all = coarse.controls.components().size() == 2;
     const scene::Components linear{all ? "1 + x - 2*y" : "0", "t + y"};
@@ -62,34 +64,34 @@ TEST_CASE("a quadratic control of degree 2 is the same on any mesh", "[control]"
 }
 
 TEST_CASE("a control in space is interpolated", "[control]") {
-  for (const char* on : {"", "control.on=top"}) {
-    std::vector<std::string> from{"mesh.size=0.6", "control={scale=1}",
-                                  "objective={desired={displacement=[\"0\", \"0\", \"0\"]}}"},
-        to = from;
-    to[0] = "mesh.size=0.34";
-    for (auto* settings : {&from, &to})
-      if (*on)
-        settings->emplace_back(on);
-    const Space coarse(from, "tests/data/cube.toml"), fine(to, "tests/data/cube.toml");
-    const scene::Components linear{"x + y", "z - t", "1 - 2*z"};
-    const control::Interpolation interpolate(coarse.controls, fine.controls);
-    CHECK(difference(interpolate(coarse.controls.interpolate(linear, "test")),
-                     fine.controls.interpolate(linear, "test")) < rounding);
-  }
+  const char* on = GENERATE(as<const char*>{}, "", "control.on=top");
+  CAPTURE(on);
+  std::vector<std::string> from{"mesh.size=0.6", "control={scale=1}",
+                                "objective={desired={displacement=[\"0\", \"0\", \"0\"]}}"},
+      to = from;
+  to[0] = "mesh.size=0.34";
+  for (auto* settings : {&from, &to})
+    if (*on)
+      settings->emplace_back(on);
+  const Space coarse(from, "tests/data/cube.toml"), fine(to, "tests/data/cube.toml");
+  const scene::Components linear{"x + y", "z - t", "1 - 2*z"};
+  const control::Interpolation interpolate(coarse.controls, fine.controls);
+  CHECK(difference(interpolate(coarse.controls.interpolate(linear, "test")),
+                   fine.controls.interpolate(linear, "test")) < rounding);
 }
 
 TEST_CASE("a control with values in cells keeps them where it is evaluated", "[control]") {
-  for (const char* on : {"control.on=body", "control.on=top"}) {
-    const Space coarse({"mesh.size=0.3", "control.space=cellwise", on}),
-        fine({"mesh.size=0.11", "control.space=cellwise", on});
-    const control::Interpolation interpolate(coarse.controls, fine.controls);
-    CHECK(difference(interpolate(coarse.controls.constant(0.7)), fine.controls.constant(0.7)) < rounding);
-    const control::Control u = interpolate(coarse.controls.interpolate({"x", "y"}, "test")),
-                           linear = fine.controls.interpolate({"x", "y"}, "test");
-    const double away = difference(u, linear); // of a midpoint, or of two where facets are looked for
-    CHECK(away > 0.01);
-    CHECK(away < 0.3);
-  }
+  const char* on = GENERATE(as<const char*>{}, "control.on=body", "control.on=top");
+  CAPTURE(on);
+  const Space coarse({"mesh.size=0.3", "control.space=cellwise", on}),
+      fine({"mesh.size=0.11", "control.space=cellwise", on});
+  const control::Interpolation interpolate(coarse.controls, fine.controls);
+  CHECK(difference(interpolate(coarse.controls.constant(0.7)), fine.controls.constant(0.7)) < rounding);
+  const control::Control u = interpolate(coarse.controls.interpolate({"x", "y"}, "test")),
+                         linear = fine.controls.interpolate({"x", "y"}, "test");
+  const double away = difference(u, linear); // of a midpoint, or of two where facets are looked for
+  CHECK(away > 0.01);
+  CHECK(away < 0.3);
 }
 
 TEST_CASE("each step has the mean of a control over its duration", "[control]") {
@@ -119,18 +121,18 @@ TEST_CASE("each step has the mean of a control over its duration", "[control]") 
 
 TEST_CASE("points beside a curved boundary are met", "[control]") {
   // Nodes of the finer disc are outside of the coarse polygon, by h^2/8R = 0.13 m at most.
-  for (const bool on_surface : {false, true}) {
-    std::vector<std::string> from{"mesh.size=4"}, to{"mesh.size=1.3"};
-    if (on_surface)
-      for (auto* settings : {&from, &to})
-        settings->emplace_back("control.on=contact");
-    const Space coarse(from, "scenes/half-disc.toml"), fine(to, "scenes/half-disc.toml");
-    const control::Interpolation interpolate(coarse.controls, fine.controls);
-    const double away = difference(interpolate(coarse.controls.interpolate({"x", "y"}, "test")),
-                                   fine.controls.interpolate({"x", "y"}, "test"));
-    CHECK(away < (on_surface ? 0.14 : 1e-11)); // the nearest point's value; the polynomial's, exact
-    CHECK(difference(interpolate(coarse.controls.constant(1)), fine.controls.constant(1)) < rounding);
-  }
+  const bool on_surface = GENERATE(false, true);
+  CAPTURE(on_surface);
+  std::vector<std::string> from{"mesh.size=4"}, to{"mesh.size=1.3"};
+  if (on_surface)
+    for (auto* settings : {&from, &to})
+      settings->emplace_back("control.on=contact");
+  const Space coarse(from, "scenes/half-disc.toml"), fine(to, "scenes/half-disc.toml");
+  const control::Interpolation interpolate(coarse.controls, fine.controls);
+  const double away = difference(interpolate(coarse.controls.interpolate({"x", "y"}, "test")),
+                                 fine.controls.interpolate({"x", "y"}, "test"));
+  CHECK(away < (on_surface ? 0.14 : 1e-11)); // the nearest point's value; the polynomial's, exact
+  CHECK(difference(interpolate(coarse.controls.constant(1)), fine.controls.constant(1)) < rounding);
 }
 
 TEST_CASE("pairs of steps and gradient differences keep their products", "[control]") {

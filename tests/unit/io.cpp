@@ -8,6 +8,7 @@
 #include "io/manifest.h"
 #include "io/point_match.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 #include <fstream>
@@ -73,80 +74,80 @@ double number(const std::vector<std::vector<std::string>>& rows, std::size_t row
 } // namespace
 
 TEST_CASE("points are found among the same in another order, and with other last digits", "[io]") {
-  for (const char* scene : {"tests/data/block.toml", "tests/data/cube.toml"}) {
-    const test::Ready ready(scene);
-    const fem::Space& space = ready.problem.space;
-    const auto dim = static_cast<std::size_t>(space.dim());
-    const std::vector<double> all = gather(space.comm(), space.points());
-    std::vector<std::size_t> order(all.size() / 3);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::mt19937 random(1); // the same on every rank
-    for (std::size_t i = order.size() - 1; i > 0; --i)
-      std::swap(order[i], order[random() % (i + 1)]);
-    REQUIRE(!std::ranges::is_sorted(order));
-    const double last_digits = 1e-14 * space.mesh().diameter();
-    std::vector<double> there;
-    for (std::size_t i = 0; i < order.size(); ++i)
-      for (std::size_t c = 0; c < dim; ++c)
-        there.push_back(all[3 * order[i] + c] + last_digits * (static_cast<double>(i % 3) - 1));
-    const std::vector<std::size_t> found = io::match_points(space, there, space.points(), refuse);
-    REQUIRE(found.size() == static_cast<std::size_t>(space.owned_nodes()));
-    double off = 0;
-    for (std::size_t i = 0; i < found.size(); ++i)
-      for (std::size_t c = 0; c < dim; ++c)
-        off = std::max(off, std::abs(there[found[i] * dim + c] - space.points()[3 * i + c]));
-    CHECK(off < 2 * last_digits);
+  const char* scene = GENERATE(as<const char*>{}, "tests/data/block.toml", "tests/data/cube.toml");
+  CAPTURE(scene);
+  const test::Ready ready(scene);
+  const fem::Space& space = ready.problem.space;
+  const auto dim = static_cast<std::size_t>(space.dim());
+  const std::vector<double> all = gather(space.comm(), space.points());
+  std::vector<std::size_t> order(all.size() / 3);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::mt19937 random(1); // the same on every rank
+  for (std::size_t i = order.size() - 1; i > 0; --i)
+    std::swap(order[i], order[random() % (i + 1)]);
+  REQUIRE(!std::ranges::is_sorted(order));
+  const double last_digits = 1e-14 * space.mesh().diameter();
+  std::vector<double> there;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t c = 0; c < dim; ++c)
+      there.push_back(all[3 * order[i] + c] + last_digits * (static_cast<double>(i % 3) - 1));
+  const std::vector<std::size_t> found = io::match_points(space, there, space.points(), refuse);
+  REQUIRE(found.size() == static_cast<std::size_t>(space.owned_nodes()));
+  double off = 0;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (std::size_t c = 0; c < dim; ++c)
+      off = std::max(off, std::abs(there[found[i] * dim + c] - space.points()[3 * i + c]));
+  CHECK(off < 2 * last_digits);
 
-    std::vector<double> moved = there, twice = there;
-    moved[dim] += 1e-6; // one point, which one rank alone misses: all of them refuse
-    CHECK_THROWS_WITH(io::match_points(space, moved, space.points(), refuse),
-                      ContainsSubstring("refused: found no point at ("));
-    std::copy_n(there.begin(), dim, twice.begin() + static_cast<std::ptrdiff_t>(dim));
-    CHECK_THROWS_WITH(io::match_points(space, twice, space.points(), refuse),
-                      ContainsSubstring("found two points at ("));
-  }
+  std::vector<double> moved = there, twice = there;
+  moved[dim] += 1e-6; // one point, which one rank alone misses: all of them refuse
+  CHECK_THROWS_WITH(io::match_points(space, moved, space.points(), refuse),
+                    ContainsSubstring("refused: found no point at ("));
+  std::copy_n(there.begin(), dim, twice.begin() + static_cast<std::ptrdiff_t>(dim));
+  CHECK_THROWS_WITH(io::match_points(space, twice, space.points(), refuse),
+                    ContainsSubstring("found two points at ("));
 }
 
 TEST_CASE("a field that was stored is read as it was, linear between its times, in any order of them",
           "[io]") {
   const Folder folder;
-  for (const char* scene : {"tests/data/block.toml", "tests/data/cube.toml"}) {
-    const test::Ready ready(scene);
-    const fem::Space& space = ready.problem.space;
-    io::OutputFolder output(space.comm(), folder.path);
-    const std::vector<double> times{0, 0.3, 1.0 / 3, 1};
-    io::FieldWriter file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
-    for (const std::size_t i : {2U, 0U, 3U, 1U})
-      file.write("displacement", i, times[i], test::smooth(space, static_cast<int>(i) + 1));
-    file.close();
-    MPI_Barrier(space.comm());
-    const fs::path stored = output.staged("state.h5");
-    io::StoredField field(space, stored, "displacement", "key", 1);
-    petsc::Vector read = space.vector();
-    for (const std::size_t i : {0U, 1U, 2U, 3U, 2U, 0U, 3U, 1U}) {
-      field.at(times[i], read);
-      CHECK(test::difference(read, test::smooth(space, static_cast<int>(i) + 1)) == 0);
-    }
-    field.at(0.6, read);
-    petsc::Vector mean = test::smooth(space, 3); // at 1/3, and 0.6 is 2/5 of the way from there to 1
-    petsc::check(VecAXPBY(mean, 0.4, 0.6, test::smooth(space, 4)));
-    CHECK(test::difference(read, mean) < 1e-14 * test::largest(mean));
+  const char* scene = GENERATE(as<const char*>{}, "tests/data/block.toml", "tests/data/cube.toml");
+  CAPTURE(scene);
+  const test::Ready ready(scene);
+  const fem::Space& space = ready.problem.space;
+  io::OutputFolder output(space.comm(), folder.path);
+  const std::vector<double> times{0, 0.3, 1.0 / 3, 1};
+  io::FieldWriter file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
+  for (const std::size_t i : {2U, 0U, 3U, 1U})
+    file.write("displacement", i, times[i], test::smooth(space, static_cast<int>(i) + 1));
+  file.close();
+  MPI_Barrier(space.comm());
+  const fs::path stored = output.staged("state.h5");
+  io::StoredField field(space, stored, "displacement", "key", 1);
+  petsc::Vector read = space.vector();
+  for (const std::size_t i : {0U, 1U, 2U, 3U, 2U, 0U, 3U, 1U}) {
+    field.at(times[i], read);
+    CHECK(test::difference(read, test::smooth(space, static_cast<int>(i) + 1)) == 0);
+  }
+  field.at(0.6, read);
+  petsc::Vector mean = test::smooth(space, 3); // at 1/3, and 0.6 is 2/5 of the way from there to 1
+  petsc::check(VecAXPBY(mean, 0.4, 0.6, test::smooth(space, 4)));
+  CHECK(test::difference(read, mean) < 1e-14 * test::largest(mean));
 
-    const auto opened = [&](const std::string& name, double end) {
-      io::StoredField(space, stored, name, "key", end);
-    };
-    CHECK_THROWS_WITH(opened("velocity", 1), ContainsSubstring("found no field \"velocity\""));
-    CHECK_THROWS_WITH(opened("displacement", 1.1), ContainsSubstring("from 0 to 1 s"));
-    const test::Ready other(scene, {"mesh.size=0.2"});
-    CHECK_THROWS_WITH(io::StoredField(other.problem.space, stored, "displacement", "key", 1),
-                      ContainsSubstring("expected the mesh of this scene"));
-    const std::string whole = content(stored);
-    MPI_Barrier(space.comm());
-    for (const std::size_t length : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
-      overwrite(stored, whole.substr(0, length));
-      CHECK_THROWS_WITH(opened("displacement", 1),
-                        ContainsSubstring("key: ") && ContainsSubstring("state.h5: "));
-    }
+  const auto opened = [&](const std::string& name, double end) {
+    io::StoredField(space, stored, name, "key", end);
+  };
+  CHECK_THROWS_WITH(opened("velocity", 1), ContainsSubstring("found no field \"velocity\""));
+  CHECK_THROWS_WITH(opened("displacement", 1.1), ContainsSubstring("from 0 to 1 s"));
+  const test::Ready other(scene, {"mesh.size=0.2"});
+  CHECK_THROWS_WITH(io::StoredField(other.problem.space, stored, "displacement", "key", 1),
+                    ContainsSubstring("expected the mesh of this scene"));
+  const std::string whole = content(stored);
+  MPI_Barrier(space.comm());
+  for (const std::size_t length : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
+    overwrite(stored, whole.substr(0, length));
+    CHECK_THROWS_WITH(opened("displacement", 1),
+                      ContainsSubstring("key: ") && ContainsSubstring("state.h5: "));
   }
 }
 
@@ -170,6 +171,7 @@ TEST_CASE("a stored time costs the same however many came before, and the index 
   const petsc::Vector values = test::smooth(space, 1);
   std::vector<double> cost, stored;
   for (const std::size_t times : {100U, 200U, 400U}) {
+    CAPTURE(times);
     io::OutputFolder output(space.comm(), folder.path);
     const double before = bytes_written();
     io::FieldWriter file(space, output, "state.xdmf",
@@ -198,12 +200,14 @@ TEST_CASE("a stored time costs the same however many came before, and the index 
 
 TEST_CASE("tables have a cell for each column and numbers to the last digit", "[io]") {
   for (const auto& [scene, dim] : {std::pair{"tests/data/block.toml", 2}, {"tests/data/cube.toml", 3}}) {
+    CAPTURE(scene, dim);
     const test::Ready ready(scene, {"time.step=0.05"});
     const problem::Problem& problem = ready.problem;
     const contact::ContactPairs& pairs = *problem.stepper.pairs();
     const contact::Pressure pressure(problem.space, pairs, ready.scene.contacts);
     const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
+      CAPTURE(tracking);
       std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
       diagnostics::Invariants invariants(problem.stepper,
                                          diagnostics::body_figures(problem.stepper, problem.scene));
@@ -298,8 +302,10 @@ TEST_CASE("run.json tells what the run was, and nothing that it had not", "[io]"
   CHECK(bare["effects"]["viscosity"] == true);
   CHECK(bare["effects"]["clamp"] == false);
   CHECK(bare["timings"]["forward"]["calls"] == 1);
-  for (const char* absent : {"objective", "optimizer", "kink", "invariants", "control_unit"})
+  for (const char* absent : {"objective", "optimizer", "kink", "invariants", "control_unit"}) {
+    CAPTURE(absent);
     CHECK_FALSE(bare.contains(absent));
+  }
   manifest.control_unit = "N/m²";
   manifest.objective = control::ObjectiveValue{.tracking = 1.0 / 3, .terminal = 0.1, .control_cost = 1e-20};
   manifest.iterations = 4;
@@ -393,6 +399,7 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     const std::string whole = content(file);
     MPI_Barrier(MPI_COMM_WORLD);
     for (const std::size_t length : {std::size_t{0}, std::size_t{100}, whole.size() / 2, whole.size() - 1}) {
+      CAPTURE(length);
       overwrite(file, whole.substr(0, length));
       CHECK_THROWS_AS(read(controls, file), UserError);
     }

@@ -9,6 +9,7 @@
 #include "mesh/size_field.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -75,6 +76,7 @@ TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mes
   CHECK(mesh.dim() == 2);
   CHECK(std::abs(mesh.diameter() - std::sqrt(2)) < 1e-14);
   for (int degree : {1, 2}) {
+    CAPTURE(degree);
     const fem::Space space(mesh, degree);
     const auto nodes = [&](const char* group) {
       return test::total(static_cast<long>(space.nodes_on(group, "test").size()));
@@ -93,41 +95,41 @@ TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mes
 }
 
 TEST_CASE("groups of cells and of facets make up the body once, on any number of ranks", "[mesh]") {
-  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"}) {
-    const scene::Mesh file{.file = test::source(name), .size = 0.4};
-    const mesh::Mesh mesh(MPI_COMM_WORLD, file);
-    const auto cells = [&](const char* group) -> const std::vector<std::int32_t>& {
-      return mesh.cells(group, "test");
-    };
-    const long left = test::total(static_cast<long>(cells("left").size())),
-               right = test::total(static_cast<long>(cells("right").size()));
-    CHECK(left > 0);
-    CHECK(right > 0);
-    CHECK(left + right == mesh.cells());
-    std::vector<std::int32_t> both = cells("left");
-    both.insert(both.end(), cells("right").begin(), cells("right").end());
-    std::ranges::sort(both);
-    CHECK(both == cells("body"));
-    const fem::Space space(mesh, 1);
-    for (int node : space.nodes_on("interface", "test"))
-      CHECK(std::abs(space.points()[static_cast<std::size_t>(3 * node)] - 1) < 1e-14);
-    CHECK(mesh.group_dimension("left", "test") == mesh.dim());
-    CHECK(mesh.group_dimension("interface", "test") == mesh.dim() - 1);
-    const std::string part = mesh.dim() == 2 ? "surface" : "volume",
-                      side = mesh.dim() == 2 ? "curve" : "surface";
-    CHECK_THROWS_WITH(mesh.cells("lft", "material[1].on"),
-                      ContainsSubstring("material[1].on") &&
-                          ContainsSubstring("no " + part + " group \"lft\"") &&
-                          ContainsSubstring("did you mean \"left\"") &&
-                          ContainsSubstring(part + " groups of the file: body, left, right"));
-    CHECK_THROWS_WITH(mesh.cells("end", "material.on"),
-                      ContainsSubstring("has dimension " + std::to_string(mesh.dim() - 1)));
-    CHECK_THROWS_WITH(mesh.group_dimension("interfaces", "control.on"),
-                      ContainsSubstring("no " + part + " or " + side + " group \"interfaces\"") &&
-                          ContainsSubstring("did you mean \"interface\"") &&
-                          ContainsSubstring(side + " groups of the file: bo") &&
-                          ContainsSubstring("end, interface, start"));
-  }
+  const char* name = GENERATE(as<const char*>{}, "tests/data/parts.geo", "tests/data/parts-space.geo");
+  CAPTURE(name);
+  const scene::Mesh file{.file = test::source(name), .size = 0.4};
+  const mesh::Mesh mesh(MPI_COMM_WORLD, file);
+  const auto cells = [&](const char* group) -> const std::vector<std::int32_t>& {
+    return mesh.cells(group, "test");
+  };
+  const long left = test::total(static_cast<long>(cells("left").size())),
+             right = test::total(static_cast<long>(cells("right").size()));
+  CHECK(left > 0);
+  CHECK(right > 0);
+  CHECK(left + right == mesh.cells());
+  std::vector<std::int32_t> both = cells("left");
+  both.insert(both.end(), cells("right").begin(), cells("right").end());
+  std::ranges::sort(both);
+  CHECK(both == cells("body"));
+  const fem::Space space(mesh, 1);
+  for (int node : space.nodes_on("interface", "test"))
+    CHECK(std::abs(space.points()[static_cast<std::size_t>(3 * node)] - 1) < 1e-14);
+  CHECK(mesh.group_dimension("left", "test") == mesh.dim());
+  CHECK(mesh.group_dimension("interface", "test") == mesh.dim() - 1);
+  const std::string part = mesh.dim() == 2 ? "surface" : "volume",
+                    side = mesh.dim() == 2 ? "curve" : "surface";
+  CHECK_THROWS_WITH(mesh.cells("lft", "material[1].on"),
+                    ContainsSubstring("material[1].on") &&
+                        ContainsSubstring("no " + part + " group \"lft\"") &&
+                        ContainsSubstring("did you mean \"left\"") &&
+                        ContainsSubstring(part + " groups of the file: body, left, right"));
+  CHECK_THROWS_WITH(mesh.cells("end", "material.on"),
+                    ContainsSubstring("has dimension " + std::to_string(mesh.dim() - 1)));
+  CHECK_THROWS_WITH(mesh.group_dimension("interfaces", "control.on"),
+                    ContainsSubstring("no " + part + " or " + side + " group \"interfaces\"") &&
+                        ContainsSubstring("did you mean \"interface\"") &&
+                        ContainsSubstring(side + " groups of the file: bo") &&
+                        ContainsSubstring("end, interface, start"));
 }
 
 TEST_CASE("a mesh is divided among ranks alike each time, whoever of them is late", "[mesh]") {
@@ -174,6 +176,7 @@ TEST_CASE("surface groups hold their nodes once, on any number of ranks", "[mesh
     CHECK(test::total(static_cast<long>(mesh.facets(group, "test").size())) ==
           static_cast<long>(facets.size() / 3));
   for (int degree : {1, 2}) {
+    CAPTURE(degree);
     const fem::Space space(mesh, degree);
     const double sag =
         degree == 1 ? 1e-12 : 0.6; // the middle of a chord of length 5 is this far inside the sphere, m
@@ -225,10 +228,12 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
   CHECK(cells(write("a b'$(touch trace).msh", mesh)) == 1);
   CHECK(cells(write("comments.msh", "$Comments\n" + command + "$EndComments\n" + mesh)) == 1);
   for (const std::string& text : {command + mesh, command + "$EndElements\n", "\n" + command + mesh,
-                                  "$MeshFormats\n" + command + mesh, std::string()})
+                                  "$MeshFormats\n" + command + mesh, std::string()}) {
+    CAPTURE(text);
     CHECK_THROWS_WITH(cells(write("hostile.msh", text)),
                       ContainsSubstring("hostile.msh: not a .msh file") &&
                           ContainsSubstring("first line must be $MeshFormat"));
+  }
   CHECK_FALSE(fs::exists(trace));
   fs::remove_all(folder);
 }

@@ -95,6 +95,7 @@ TEST_CASE("the surface of a ball is closed and turned outwards, its area converg
   constexpr double exact = std::numbers::pi; // 2πr as 4πr² of r = 1/2
   std::vector<double> errors;
   for (const int cells : {16, 64}) {
+    CAPTURE(cells);
     const auto surface = surface_within(ball, ball.place(0), dim, of(dim), cells);
     const Measures found = measured(ball, ball.place(0), surface, dim);
     CHECK(surface.whole);

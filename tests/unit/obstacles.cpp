@@ -155,11 +155,15 @@ TEST_CASE("a signed distance is linearised by its derivatives", "[contact]") {
     return contact::Obstacle::Plane{{slope / size, 1 / size, 0}, (x[1] + 0.01 * std::sin(k * x[0])) / size};
   });
   const Point x{0.5, 0, 0};
-  for (const char* flat : {"1", "y^2", "0*x", "abs(y)"})
+  for (const char* flat : {"1", "y^2", "0*x", "abs(y)"}) {
+    CAPTURE(flat);
     CHECK_THROWS_WITH(made(scene::SignedDistance{flat}, 2).at(x.data()),
                       ContainsSubstring("no slope") && ContainsSubstring("(0.5, 0, 0)"));
-  for (const char* infinite : {"1/y", "sqrt(y - 1)", "sqrt(y)"}) // the last one beside the node
+  }
+  for (const char* infinite : {"1/y", "sqrt(y - 1)", "sqrt(y)"}) { // the last one beside the node
+    CAPTURE(infinite);
     CHECK_THROWS_WITH(made(scene::SignedDistance{infinite}, 2).at(x.data()), ContainsSubstring("x = 0.5"));
+  }
 }
 
 TEST_CASE("heights and normals change with an obstacle's parameters as differences say", "[contact]") {

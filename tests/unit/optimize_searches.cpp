@@ -22,6 +22,7 @@ TEST_CASE("all methods find the bounded minimiser, downhill all the way", "[opti
 TEST_CASE("a first step that is much too long or short is repaired", "[optimize]") {
   for (Method method : methods)
     for (double factor : {1e8, 1e-8}) {
+      CAPTURE(factor);
       Misleading problem;
       problem.factor = factor;
       Record record;

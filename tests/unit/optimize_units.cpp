@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize_search.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 
 using namespace signorini;
 using namespace signorini::test;
@@ -130,16 +131,16 @@ TEST_CASE("a problem's units are found where its Hessian tells nothing", "[optim
     problem.accept();
     return optimize::measured(problem, u, J, g);
   };
-  for (const bool bounded : {false, true}) {
-    const optimize::Units here = units(1, 1, bounded);
-    CHECK(here.length > 0.5);
-    CHECK(here.length < 10); // the minimiser is 5 away, the bounds 2.7
-    for (const double c : {1e-9, 1e9})
-      for (const double k : {1e-9, 1e9}) {
-        const optimize::Units there = units(c, k, bounded);
-        CHECK(std::abs(there.length / (c * here.length) - 1) < 1e-12);
-        CHECK(std::abs(there.objective() / (k * here.objective()) - 1) < 1e-12);
-        CHECK(std::abs(there.gradient() / (k / c * here.gradient()) - 1) < 1e-12);
-      }
-  }
+  const bool bounded = GENERATE(false, true);
+  CAPTURE(bounded);
+  const optimize::Units here = units(1, 1, bounded);
+  CHECK(here.length > 0.5);
+  CHECK(here.length < 10); // the minimiser is 5 away, the bounds 2.7
+  for (const double c : {1e-9, 1e9})
+    for (const double k : {1e-9, 1e9}) {
+      const optimize::Units there = units(c, k, bounded);
+      CHECK(std::abs(there.length / (c * here.length) - 1) < 1e-12);
+      CHECK(std::abs(there.objective() / (k * here.objective()) - 1) < 1e-12);
+      CHECK(std::abs(there.gradient() / (k / c * here.gradient()) - 1) < 1e-12);
+    }
 }

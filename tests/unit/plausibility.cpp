@@ -72,6 +72,7 @@ using Names = std::set<std::string>;
 
 TEST_CASE("strain, rotation and turned elements of known motions", "[fem]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    CAPTURE(degree);
     const Body plane({degree});
     // ε = [[0.02, 0.03], [0.03, −0.06]] and a rotation by 0.01: principal strains −0.02 ± 0.05.
     const fem::Deformation both = plane.deformation({"0.02*x + 0.02*y", "0.04*x - 0.06*y"});
@@ -125,6 +126,7 @@ TEST_CASE("the place of the largest strain is that of the least coordinates, on 
 TEST_CASE("parts of a mesh that do not hang together are counted on any number of ranks", "[fem]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"})
     for (const char* size : {"mesh.size=0.5", "mesh.size=0.07"}) {
+      CAPTURE(degree, size);
       CHECK(fem::connected_parts(Body({degree, size}).space).count == 1);
       CHECK(fem::connected_parts(Body({degree, size, mesh_of("cracked.geo")}).space).count == 1);
       CHECK(fem::connected_parts(Body({degree, size, mesh_of("apart.geo")}).space).count == 2);

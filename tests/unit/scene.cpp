@@ -39,6 +39,7 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
                                   {"scenes/half-ball.toml", 3},
                                   {"tests/data/manufactured-space.toml", 3},
                                   {"tests/data/two-materials.toml", 2}}) {
+    CAPTURE(name, dim);
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == scene::ViMethod::full);
     CHECK_NOTHROW(scene::require_dimension(scene, dim));
@@ -55,6 +56,7 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
 TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
   const auto file = test::source("tests/data/block.toml"); // gives a velocity and no displacement
   for (const auto& [value, moves] : {std::pair{"[\"0\", \"0\"]", false}, {"[\"0\", \"t\"]", true}}) {
+    CAPTURE(value, moves);
     const scene::Scene scene =
         test::parse(file, {fmt::format("clamp=[{{ on = \"left\", value = {} }}]", value)});
     const auto echo = temporary(scene::echo(scene, 2));
@@ -263,8 +265,10 @@ TEST_CASE("columns are converted by the units of their names", "[scene]") {
     CHECK(std::abs(found->factor / factor - 1) < 1e-14);
     CHECK(found->dimension == dimension);
   }
-  for (const char* none : {"", "mV", "kmin", "m//s", "m/", "/s", "m^", "m^x", "x", "5", "s2s"})
+  for (const char* none : {"", "mV", "kmin", "m//s", "m/", "/s", "m^", "m^x", "x", "5", "s2s"}) {
+    CAPTURE(none);
     CHECK_FALSE(scene::unit(none));
+  }
 }
 
 TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
@@ -344,16 +348,20 @@ TEST_CASE("a time series stands where an expression of time may", "[scene]") {
 }
 
 TEST_CASE("an expression that is wrong is told what expressions are", "[scene]") {
-  for (const char* part : {"sqrt", "atan2", "a ? b : c", "^", "pi and e", "x, y, z, t"})
+  for (const char* part : {"sqrt", "atan2", "a ? b : c", "^", "pi and e", "x, y, z, t"}) {
+    CAPTURE(part);
     CHECK_THROWS_WITH(scene::Field({"sine(t)"}, "load.body", true), ContainsSubstring(part));
+  }
 }
 
 TEST_CASE("what --set gave is blamed on it, and what the file gave on the file", "[scene]") {
   for (const auto& [key, plain] : {std::pair{"material.0.young", "material.young"},
                                    {"material[1].viscosity.bulk", "material.viscosity.bulk"},
                                    {"mesh.size", "mesh.size"},
-                                   {"contact", "contact"}})
+                                   {"contact", "contact"}}) {
+    CAPTURE(key, plain);
     CHECK(scene::without_numbers(key) == plain);
+  }
   const auto file = test::source("tests/data/two-materials.toml");
   for (const auto& [setting, said] :
        {std::pair{"material.1.young=-1", "--set material[1].young: found -1"},
@@ -369,8 +377,10 @@ TEST_CASE("what --set gave is blamed on it, and what the file gave on the file",
 
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
-  for (const auto& [step, steps] : {std::pair{"1e-6", 7500}, {"2.5e-5", 300}, {"7.5e-3", 1}})
+  for (const auto& [step, steps] : {std::pair{"1e-6", 7500}, {"2.5e-5", 300}, {"7.5e-3", 1}}) {
+    CAPTURE(step, steps);
     CHECK(test::parse(file, {std::string("time.step=") + step}).time.steps == steps);
+  }
   CHECK_THROWS_WITH(test::parse(file, {"time.step=4e-5"}),
                     ContainsSubstring("time.end") && ContainsSubstring("187.5"));
 }

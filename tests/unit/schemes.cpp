@@ -2,6 +2,7 @@
 #include "contact/mass_redistribution.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <random>
 
 using namespace signorini;
@@ -57,6 +58,7 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
            {"tests/data/block.toml", {"mesh.size=0.1", "mesh.degree=2"}},
            {"tests/data/block.toml", {"mesh.size=0.1", in_a_corner}},
            {"tests/data/cube.toml", {}}}) {
+    CAPTURE(file, overrides);
     const Moved body(file, overrides);
     REQUIRE(body.pairs.count() > 0);
     // All linear velocity fields, of which rigid motions are some.
@@ -92,31 +94,31 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
 }
 
 TEST_CASE("candidates that face away from the obstacle keep their mass", "[contact]") {
-  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    // All sides of a square are candidates, of which the lower one alone faces the floor.
-    const Moved body("tests/data/block.toml",
-                     {degree, "contact.on=boundary", "contact.obstacle.normal=[0, 1]"});
-    petsc::Vector x = body.space.vector();
-    const auto m = static_cast<std::size_t>(body.pairs.count());
-    int below = 0;
-    for (std::size_t i = 0; i < m; ++i) {
-      std::vector<double> one(m, 0.0);
-      one[i] = 1;
-      check(VecZeroEntries(x));
-      body.H.apply(1, one, x);
-      const double mass = product(body.after, x, x), before = product(body.before, x, x);
-      if (body.pairs.points()[3 * i + 1] < 1e-12) {
-        ++below;
-        CHECK(std::abs(mass) < 1e-14 * before);
-      } else {
-        CHECK(mass > 0.1 * before);
-      }
+  const char* degree = GENERATE(as<const char*>{}, "mesh.degree=1", "mesh.degree=2");
+  CAPTURE(degree);
+  // All sides of a square are candidates, of which the lower one alone faces the floor.
+  const Moved body("tests/data/block.toml",
+                   {degree, "contact.on=boundary", "contact.obstacle.normal=[0, 1]"});
+  petsc::Vector x = body.space.vector();
+  const auto m = static_cast<std::size_t>(body.pairs.count());
+  int below = 0;
+  for (std::size_t i = 0; i < m; ++i) {
+    std::vector<double> one(m, 0.0);
+    one[i] = 1;
+    check(VecZeroEntries(x));
+    body.H.apply(1, one, x);
+    const double mass = product(body.after, x, x), before = product(body.before, x, x);
+    if (body.pairs.points()[3 * i + 1] < 1e-12) {
+      ++below;
+      CHECK(std::abs(mass) < 1e-14 * before);
+    } else {
+      CHECK(mass > 0.1 * before);
     }
-    REQUIRE(below > 3);
-    REQUIRE(below < static_cast<int>(m) / 2);
-    body.space.interpolate(scene::Field({"0", "1"}, "test", false), 0, x);
-    CHECK(std::abs(product(body.after, x, x) - 1) < 1e-12); // of the unit square of density 1
   }
+  REQUIRE(below > 3);
+  REQUIRE(below < static_cast<int>(m) / 2);
+  body.space.interpolate(scene::Field({"0", "1"}, "test", false), 0, x);
+  CHECK(std::abs(product(body.after, x, x) - 1) < 1e-12); // of the unit square of density 1
 }
 
 TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[forward]") {
@@ -126,6 +128,7 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
            {"tests/data/block.toml", {"solver.vi=\"full\""}},
            {"tests/data/block.toml", {"clamp=[{on=\"top\"}]", "initial.velocity=[\"0\", \"0\"]"}},
            {"tests/data/cube.toml", {}}}) {
+    CAPTURE(file, overrides);
     std::vector<std::string> settings = overrides;
     settings.emplace_back("time.scheme=\"contact-stabilized\"");
     const test::Ready ready(file, settings);

@@ -4,6 +4,7 @@
 #include "contact/pairs.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 #include <numbers>
@@ -325,28 +326,28 @@ TEST_CASE("a pair's direction is that of the touch of an obstacle that moves", "
   const auto round = [](const std::string& center) {
     return "{ on = \"bottom\", obstacle = { shape = \"ball\", radius = 1, center = " + center + " } },";
   };
-  for (const int file : {0, 1}) { // the ball comes from below, or passes by
-    const Walls walls(round(file == 0 ? "[0.5, \"-1.5 + 2*t\"]" : "[\"-1 + 4*t\", -1.1]"));
-    const std::vector<double>&x = walls.pairs.points(), &nu = walls.pairs.normals();
-    contact::ContactPairs::Gaps gaps = walls.pairs.gaps();
-    REQUIRE(walls.pairs.count() == 5);
-    REQUIRE(walls.pairs.moving());
-    for (int i = 0; i < walls.pairs.count(); ++i) {
-      const auto j = static_cast<std::size_t>(i);
-      const double s = x[3 * j] - 0.5, across = file == 0 ? -s : 0;
-      // A secant between two steps, 0.04 m apart; or the nearest step, 0.08 m from the next.
-      CHECK(std::abs(nu[2 * j] - across) < (file == 0 ? 1e-4 : 0.04 / 1.1));
-      CHECK(std::abs(std::hypot(nu[2 * j], nu[2 * j + 1]) - 1) < 1e-15);
-      CHECK(nu[2 * j + 1] < 0);
-    }
-    for (const double t : {0.0, 0.25, 0.26, 0.6}) {
-      const std::span<const double> psi = walls.pairs.psi(t, gaps);
-      for (std::size_t j = 0; j < psi.size(); ++j)
-        CHECK(std::abs(psi[j] -
-                       (file == 0 ? std::hypot(x[3 * j] - 0.5, 1.5 - 2 * t)
-                                  : std::hypot(x[3 * j] + 1 - 4 * t, 1.1)) +
-                       1) < 1e-15);
-    }
-    CHECK(std::ranges::equal(walls.pairs.psi(0, gaps), walls.pairs.psi()));
+  const int file = GENERATE(0, 1); // the ball comes from below, or passes by
+  CAPTURE(file);
+  const Walls walls(round(file == 0 ? "[0.5, \"-1.5 + 2*t\"]" : "[\"-1 + 4*t\", -1.1]"));
+  const std::vector<double>&x = walls.pairs.points(), &nu = walls.pairs.normals();
+  contact::ContactPairs::Gaps gaps = walls.pairs.gaps();
+  REQUIRE(walls.pairs.count() == 5);
+  REQUIRE(walls.pairs.moving());
+  for (int i = 0; i < walls.pairs.count(); ++i) {
+    const auto j = static_cast<std::size_t>(i);
+    const double s = x[3 * j] - 0.5, across = file == 0 ? -s : 0;
+    // A secant between two steps, 0.04 m apart; or the nearest step, 0.08 m from the next.
+    CHECK(std::abs(nu[2 * j] - across) < (file == 0 ? 1e-4 : 0.04 / 1.1));
+    CHECK(std::abs(std::hypot(nu[2 * j], nu[2 * j + 1]) - 1) < 1e-15);
+    CHECK(nu[2 * j + 1] < 0);
   }
+  for (const double t : {0.0, 0.25, 0.26, 0.6}) {
+    const std::span<const double> psi = walls.pairs.psi(t, gaps);
+    for (std::size_t j = 0; j < psi.size(); ++j)
+      CHECK(std::abs(psi[j] -
+                     (file == 0 ? std::hypot(x[3 * j] - 0.5, 1.5 - 2 * t)
+                                : std::hypot(x[3 * j] + 1 - 4 * t, 1.1)) +
+                     1) < 1e-15);
+  }
+  CHECK(std::ranges::equal(walls.pairs.psi(0, gaps), walls.pairs.psi()));
 }

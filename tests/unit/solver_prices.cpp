@@ -4,6 +4,7 @@
 #include "step/solver_choice.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 
 using namespace signorini;
@@ -52,20 +53,19 @@ TEST_CASE("an iteration reads the matrix and some vectors", "[forward]") {
 TEST_CASE("the more solves, the less may one of conjugate gradients take", "[forward]") {
   const step::Price direct{.setup = 30, .solve = 0.1};
   constexpr double bytes = 1e7;
-  for (const int ranks : {1, 4}) {
-    double before = step::affordable(direct, 1, bytes, ranks);
-    for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
-      const double most = step::affordable(direct, solves, bytes, ranks);
-      CHECK(most < before);
-      // At that price they are clearly quicker on the whole, and in the end in each solve.
-      CHECK(step::iterative_price(most, bytes, ranks).total(solves) < direct.total(solves) / 1.1);
-      before = most;
-    }
-    CHECK(step::iterative_price(before, bytes, ranks).solve < direct.solve);
-    CHECK(
-        std::abs(step::affordable(direct, 10, bytes, ranks) / step::affordable(direct, 10, bytes, 1) / ranks -
-                 1) < 1e-12);
+  const int ranks = GENERATE(1, 4);
+  CAPTURE(ranks);
+  double before = step::affordable(direct, 1, bytes, ranks);
+  for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
+    const double most = step::affordable(direct, solves, bytes, ranks);
+    CHECK(most < before);
+    // At that price they are clearly quicker on the whole, and in the end in each solve.
+    CHECK(step::iterative_price(most, bytes, ranks).total(solves) < direct.total(solves) / 1.1);
+    before = most;
   }
+  CHECK(step::iterative_price(before, bytes, ranks).solve < direct.solve);
+  CHECK(std::abs(step::affordable(direct, 10, bytes, ranks) / step::affordable(direct, 10, bytes, 1) / ranks -
+                 1) < 1e-12);
 }
 
 TEST_CASE("the price of a factor grows with its work, and ranks share it", "[forward]") {
@@ -73,10 +73,10 @@ TEST_CASE("the price of a factor grows with its work, and ranks share it", "[for
       more({.flops = 1e10, .entries = 2e7}, 100, 0);
   CHECK(step::price(more, 1).solve > step::price(work, 1).solve);
   CHECK(step::price(more, 1).setup > step::price(work, 1).setup); // for its columns
-  for (const int ranks : {2, 8}) {
-    CHECK(step::price(work, 2 * ranks).setup == step::price(work, ranks).setup / 2);
-    CHECK(step::price(work, 2 * ranks).solve == step::price(work, ranks).solve / 2);
-  }
+  const int ranks = GENERATE(2, 8);
+  CAPTURE(ranks);
+  CHECK(step::price(work, 2 * ranks).setup == step::price(work, ranks).setup / 2);
+  CHECK(step::price(work, 2 * ranks).solve == step::price(work, ranks).solve / 2);
 }
 
 TEST_CASE("a small factorisation is not compared with conjugate gradients", "[forward]") {

@@ -5,6 +5,7 @@
 #include "fixtures.h"
 #include "mesh/simplex.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <numeric>
@@ -98,6 +99,7 @@ TEST_CASE("strain and stress of linear motions are those of the law, in the plan
       rate_3{-0.7, 0.5, 0.2, 0.5, 0.2, -0.15, 0.2, -0.15, 0.9};
   for (const int dim : {2, 3})
     for (const int degree : {1, 2}) {
+      CAPTURE(dim, degree);
       Body body(dim, degree);
       const std::string z = dim == 3 ? "1" : "0";
       body.fields.set(
@@ -143,38 +145,39 @@ TEST_CASE("of degree 2 strains are linear in a cell, and its value is that of th
 }
 
 TEST_CASE("stress does the work of the operators A and B", "[fem]") {
-  for (const int dim : {2, 3}) {
-    Body body(dim, 1); // whose strains are constant on each cell
-    const fem::Operators operators = fem::assemble_operators(body.space, body.materials, false);
-    const petsc::Vector y = test::smooth(body.space, 1), v = test::smooth(body.space, 2),
-                        w = test::smooth(body.space, 3);
-    check(VecAXPY(w, 1, y)); // which let both forms be of the size of their energies
-    check(VecAXPY(w, 1, v));
-    body.fields.set(w, w);
-    std::map<std::int32_t, std::vector<double>> virtual_strain;
-    body.for_each_cell(fem::CellField::strain, [&](auto cell, const auto&, auto found, const double*) {
-      virtual_strain[cell].assign(found.begin(), found.end());
-    });
-    body.fields.set(y, v);
-    double work = 0;
-    body.for_each_cell(fem::CellField::stress, [&](auto cell, const auto&, auto found, const double*) {
-      work += volume(body.mesh, cell) * contract(found, virtual_strain[cell]);
-    });
-    MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-    petsc::Vector forces = petsc::zero_like(y);
-    check(MatMult(operators.A, y, forces));
-    const double elastic = petsc::dot(forces, w);
-    check(MatMult(*operators.B, v, forces));
-    const double viscous = petsc::dot(forces, w);
-    REQUIRE(std::min(std::abs(elastic), std::abs(viscous)) > 0.1);
-    CHECK(std::abs(work / (elastic + viscous) - 1) < 1e-12);
-  }
+  const int dim = GENERATE(2, 3);
+  CAPTURE(dim);
+  Body body(dim, 1); // whose strains are constant on each cell
+  const fem::Operators operators = fem::assemble_operators(body.space, body.materials, false);
+  const petsc::Vector y = test::smooth(body.space, 1), v = test::smooth(body.space, 2),
+                      w = test::smooth(body.space, 3);
+  check(VecAXPY(w, 1, y)); // which let both forms be of the size of their energies
+  check(VecAXPY(w, 1, v));
+  body.fields.set(w, w);
+  std::map<std::int32_t, std::vector<double>> virtual_strain;
+  body.for_each_cell(fem::CellField::strain, [&](auto cell, const auto&, auto found, const double*) {
+    virtual_strain[cell].assign(found.begin(), found.end());
+  });
+  body.fields.set(y, v);
+  double work = 0;
+  body.for_each_cell(fem::CellField::stress, [&](auto cell, const auto&, auto found, const double*) {
+    work += volume(body.mesh, cell) * contract(found, virtual_strain[cell]);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  petsc::Vector forces = petsc::zero_like(y);
+  check(MatMult(operators.A, y, forces));
+  const double elastic = petsc::dot(forces, w);
+  check(MatMult(*operators.B, v, forces));
+  const double viscous = petsc::dot(forces, w);
+  REQUIRE(std::min(std::abs(elastic), std::abs(viscous)) > 0.1);
+  CHECK(std::abs(work / (elastic + viscous) - 1) < 1e-12);
 }
 
 TEST_CASE("nodal forces of a uniform pressure give it at every candidate, and areas add up to the surface",
           "[contact]") {
   for (const char* file : {"tests/data/block.toml", "tests/data/cube.toml"})
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+      CAPTURE(file, degree);
       const test::Ready ready(file, {degree});
       const fem::Space& space = ready.problem.space;
       const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
@@ -232,6 +235,7 @@ TEST_CASE("a node of two surfaces has the area of each and, as a field, the larg
   const auto first = static_cast<std::size_t>(corner->first);
   // Half of an edge of a quarter of a metre, to whose middle it is as far; the mesher rounds to 1e-12.
   for (const std::size_t i : {first, first + 1}) {
+    CAPTURE(i);
     double half = 1;
     for (std::size_t j = 0; j < pressure.area().size(); ++j)
       if (j != i && &pairs.obstacle(static_cast<int>(j)) == &pairs.obstacle(static_cast<int>(i)))

@@ -58,6 +58,7 @@ std::vector<Result> chain(const std::vector<std::pair<double, double>>& of) {
 TEST_CASE("samples are the same on any number of ranks, and those of functions of V exact", "[study]") {
   for (const char* file : {"tests/data/block.toml", "tests/data/cube.toml"})
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+      CAPTURE(file, degree);
       const test::Ready ready(file, {degree});
       const fem::Quadrature quadrature = fem::quadrature(ready.problem.mesh);
       const auto dim = static_cast<std::size_t>(ready.problem.space.dim());
@@ -354,8 +355,10 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   CHECK(chosen.back().with_steps(4).tolerance == scene::Time::most_tolerance);
   CHECK(on_rung(scene, chosen.back()).time.automatic());
   CHECK(on_rung(scene, {.size = 1, .steps = 7}).time.step == scene.time.end / 7);
-  for (const double wrong : {0.0, 0.6, std::nan("")})
+  for (const double wrong : {0.0, 0.6, std::nan("")}) {
+    CAPTURE(wrong);
     CHECK_THROWS_AS(all_rungs(scene, {{1}, {}, {}, {}, {wrong}}), UserError);
+  }
 
   // Of 1 + 1/N and of 1 + tolerance, which is the square of their width: orders 1 and 2.
   std::vector<Result> results;
@@ -418,8 +421,10 @@ TEST_CASE("steps that no number could count are refused", "[study]") {
   const double most = scene::Time::most_steps;
   CHECK(all_rungs(scene, {{1}, {scene.time.end / most}, {}, {}}).front().steps == scene::Time::most_steps);
   CHECK(all_rungs(scene, {{1}, {10 * scene.time.end}, {}, {}}).front().steps == 1);
-  for (const double step : {scene.time.end / (2 * most), 1e-20, 1e-300})
+  for (const double step : {scene.time.end / (2 * most), 1e-20, 1e-300}) {
+    CAPTURE(step);
     CHECK_THROWS_AS(all_rungs(scene, {{1}, {step}, {}, {}}), UserError);
+  }
 }
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {

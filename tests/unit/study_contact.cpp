@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "diagnostics/contact_forces.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
 #include <functional>
@@ -46,6 +47,7 @@ TEST_CASE("contact with a speed begins and ends at its times, wherever steps fal
   constexpr double start = 0.5, end = 1.17;
   double worst = 0;
   for (const double tau : {0.1, 0.07, 0.033, 0.0101}) {
+    CAPTURE(tau);
     const auto found = intervals({visit(start, end)}, tau, static_cast<int>(2 / tau));
     REQUIRE(found.size() == 1);
     CHECK_THAT(found[0].start, WithinAbs(start, 1e-12));
@@ -63,28 +65,28 @@ TEST_CASE("where the speed changes contact times are off by the square of the st
     const double before = std::max(start - t, t - end);
     return before > 0 ? before * (speed + acceleration / 2 * before) : 0;
   };
-  for (const double tau : {0.05, 0.031, 0.02, 0.0077, 0.003}) {
-    const auto found = intervals({gap}, tau, static_cast<int>(1 / tau));
-    REQUIRE(found.size() == 1);
-    // The chord through the two gaps is off by a/2 θ(1 + θ) τ² within the step at most, and falls with v.
-    const double bound = acceleration * tau * tau / speed + 1e-12;
-    CHECK(std::abs(found[0].start - start) < bound);
-    CHECK(std::abs(found[0].end - end) < bound);
-  }
+  const double tau = GENERATE(0.05, 0.031, 0.02, 0.0077, 0.003);
+  CAPTURE(tau);
+  const auto found = intervals({gap}, tau, static_cast<int>(1 / tau));
+  REQUIRE(found.size() == 1);
+  // The chord through the two gaps is off by a/2 θ(1 + θ) τ² within the step at most, and falls with v.
+  const double bound = acceleration * tau * tau / speed + 1e-12;
+  CHECK(std::abs(found[0].start - start) < bound);
+  CHECK(std::abs(found[0].end - end) < bound);
 }
 
 TEST_CASE("of several candidates the first to come and the last to go tell", "[study]") {
   const std::vector<Gap> gaps{visit(0.31, 0.6), visit(0.34, 0.83), visit(0.5, 0.7)};
-  for (const double tau : {0.1, 0.03}) {
-    const auto found = intervals(gaps, tau, static_cast<int>(1.2 / tau));
-    REQUIRE(found.size() == 1);
-    CHECK_THAT(found[0].start, WithinAbs(0.31, 1e-12));
-    CHECK_THAT(found[0].end, WithinAbs(0.83, 1e-12));
-    const auto own = intervals(gaps, tau, static_cast<int>(1.2 / tau), {2});
-    REQUIRE(own.size() == 1);
-    CHECK_THAT(own[0].start, WithinAbs(0.5, 1e-12));
-    CHECK_THAT(own[0].end, WithinAbs(0.7, 1e-12));
-  }
+  const double tau = GENERATE(0.1, 0.03);
+  CAPTURE(tau);
+  const auto found = intervals(gaps, tau, static_cast<int>(1.2 / tau));
+  REQUIRE(found.size() == 1);
+  CHECK_THAT(found[0].start, WithinAbs(0.31, 1e-12));
+  CHECK_THAT(found[0].end, WithinAbs(0.83, 1e-12));
+  const auto own = intervals(gaps, tau, static_cast<int>(1.2 / tau), {2});
+  REQUIRE(own.size() == 1);
+  CHECK_THAT(own[0].start, WithinAbs(0.5, 1e-12));
+  CHECK_THAT(own[0].end, WithinAbs(0.7, 1e-12));
 }
 
 TEST_CASE("contact that is there from the first and until the last has no ends in between", "[study]") {

@@ -47,6 +47,7 @@ TEST_CASE("the order of a power is found however widths are refined", "[study]")
   constexpr double digits = 1e-9; // differences of numbers near one, the least of them 1e-3 of that
   for (const std::vector<double>& widths : {halved, uneven})
     for (const double p : {0.5, 1.0, 1.7, 2.0}) {
+      CAPTURE(p);
       const Numbers numbers(widths, power(-0.3, p));
       for (const std::optional<Order>& order :
            {observed_order(numbers.chain(), {2, 0}), observed_order(numbers.chain(), known, {2, 0})}) {
@@ -102,6 +103,7 @@ TEST_CASE("differences of rounding, and too few, give no order", "[study]") {
 TEST_CASE("an error bar is twice the error of a power, and else three times the spread", "[study]") {
   for (const std::vector<double>& widths : {halved, uneven})
     for (const double p : {0.5, 1.0, 2.0}) {
+      CAPTURE(p);
       const Numbers numbers(widths, power(-0.3, p));
       CHECK_THAT(*error_bar(numbers.chain(), {2, 0}), WithinRel(2 * numbers.error(), 1e-7));
     }

@@ -20,14 +20,14 @@ CostModel::Timed timed(double n, int dim) {
 } // namespace
 
 TEST_CASE("the cost of a constant and a power of the unknowns is found from two meshes", "[study]") {
-  for (const int dim : {2, 3}) {
-    const CostModel cost({timed(100, dim), timed(4000, dim)}, dim);
-    for (const double n : {50.0, 1000.0, 1e5})
-      for (const int steps : {1, 40, 10'000}) {
-        const CostModel::Timed at = timed(n, dim);
-        CHECK_THAT(cost.seconds(n, steps), WithinRel(at.setup + steps * at.step, 1e-10));
-      }
-  }
+  const int dim = GENERATE(2, 3);
+  CAPTURE(dim);
+  const CostModel cost({timed(100, dim), timed(4000, dim)}, dim);
+  for (const double n : {50.0, 1000.0, 1e5})
+    for (const int steps : {1, 40, 10'000}) {
+      const CostModel::Timed at = timed(n, dim);
+      CHECK_THAT(cost.seconds(n, steps), WithinRel(at.setup + steps * at.step, 1e-10));
+    }
 }
 
 TEST_CASE("of one mesh, or of times that make no sense, more unknowns never cost less", "[study]") {
@@ -79,6 +79,7 @@ TEST_CASE("size and step for a target are the cheapest that meet it", "[study]")
   const SizeAndStep found = cheapest_factors(error, orders, target, dim, 1e-6, 1);
   CHECK(std::abs(left(found.size, found.step) / target - 1) < 1e-12);
   for (const double other : {0.9, 0.99, 1.01, 1.1}) { // another size, and the step that then meets the target
+    CAPTURE(other);
     const double size = other * found.size,
                  step = std::pow((target - error.size * std::pow(size, orders.size)) / error.step,
                                  1 / orders.step);

@@ -84,8 +84,10 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
     const CachedRung found = store.load(rung, own, {});
     return !found.measured && found.unfit.find("damaged") != std::string::npos;
   };
-  for (const std::size_t size : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1})
+  for (const std::size_t size : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1}) {
+    CAPTURE(size);
     CHECK(refused(whole.substr(0, size)));
+  }
   for (std::size_t at = 0; at < whole.size(); ++at) { // any byte, were it in the middle of a number
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 0x10);

@@ -78,6 +78,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
                                          "-0.70, of shear viscosity and throw"};
   std::size_t pair = 0;
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    CAPTURE(i, j);
     fit.correlations = {1, 0.1, 0.1, 0.1, 1, 0.1, 0.1, 0.1, 1};
     fit.correlations[static_cast<std::size_t>(3 * i + j)] =
         fit.correlations[static_cast<std::size_t>(3 * j + i)] = -0.7;

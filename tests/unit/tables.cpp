@@ -90,6 +90,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
        {std::pair{"tests/data/block.toml", std::size_t{2}}, {"tests/data/cube.toml", 3}})
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"})
       for (const Settings& scheme : schemes) {
+        CAPTURE(scheme);
         const Watched motion(file, with({degree, "time.step=0.03"}, scheme));
         const double tau = motion.ready.problem.grid.length(1);
         Vector impulse{},
@@ -119,6 +120,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
 TEST_CASE("two jaws push with opposite forces whose moduli add", "[forward]") {
   for (const Settings& settings : {jaws(), with(jaws(), {"time.scheme=\"contact-stabilized\""}),
                                    jaws("massless"), with(jaws(), {"mesh.degree=2"})}) {
+    CAPTURE(settings);
     const Watched motion("tests/data/block.toml", settings);
     const diagnostics::ObstacleForce &lower = motion.each.back()[0], &upper = motion.each.back()[1],
                                      &all = motion.all.back();
@@ -146,6 +148,7 @@ TEST_CASE("two jaws push with opposite forces whose moduli add", "[forward]") {
 TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
   const Settings thrown{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"0\"]"};
   for (const Settings& scheme : schemes) {
+    CAPTURE(scheme);
     const Watched motion("tests/data/block.toml", with(thrown, scheme));
     const diagnostics::Impact impact = *motion.summary->impact();
     REQUIRE(impact.ended);
@@ -172,6 +175,7 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
   for (const Settings& other : {Settings{"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]"},
                                 {"time.end=0.14"},
                                 {"contact.obstacle.point=[0, \"-0.1 + 0.01*t\"]"}}) {
+    CAPTURE(other);
     const diagnostics::Impact impact =
         *Watched("tests/data/block.toml", with(thrown, other)).summary->impact();
     CHECK(impact.all.occurred());
@@ -191,6 +195,7 @@ TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
                          "material.viscosity={ bulk=0, shear=0 }"},
       symmetric{"clamp=[{ on=\"left\", components=[\"x\"] }]"};
   for (const Settings& scheme : schemes) {
+    CAPTURE(scheme);
     const auto impact = [&](const Settings& more) {
       return *Watched("tests/data/block.toml", with(with(falling, scheme), more)).summary->impact();
     };
@@ -206,6 +211,7 @@ TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
     // Neither of a clamp along the impulse, nor of both components.
     for (const char* other : {"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]",
                               "clamp=[{ on=\"top\", value=[\"0\", \"-t\"] }]"}) {
+      CAPTURE(other);
       const diagnostics::Impact held = impact({other});
       CHECK(held.all.occurred());
       CHECK_FALSE(held.whole.restitution);
@@ -258,6 +264,7 @@ TEST_CASE("a flutter of contact is one bounce", "[forward]") {
 TEST_CASE("bounces are told one by one, with free fall between them", "[forward]") {
   const Settings falling{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"-4\"]", "time.end=3"};
   for (const Settings& scheme : schemes) {
+    CAPTURE(scheme);
     const Watched motion("tests/data/block.toml", with(falling, scheme));
     const diagnostics::Impact impact = *motion.summary->impact();
     const std::vector<diagnostics::Rebound>& bounces = impact.bounces;
@@ -298,6 +305,7 @@ TEST_CASE("a peak as contact begins is marked whatever the step, one that builds
   // The mass of a flat face stops within a step, the shorter the harder.
   double before = 0;
   for (const char* step : {"time.step=0.005", "time.step=0.0025", "time.step=0.00125"}) {
+    CAPTURE(step);
     const diagnostics::Touch hit = peak({step});
     CHECK(hit.peak_at_onset);
     CHECK(hit.peak > 1.05 * before);
@@ -311,6 +319,7 @@ TEST_CASE("a peak as contact begins is marked whatever the step, one that builds
 
 TEST_CASE("the work of loads is told apart from that of a control", "[forward]") {
   for (const char* body : {"load.body=[\"0\", \"-1\"]", "load.body=[\"0\", \"-1 - 0*t\"]"}) {
+    CAPTURE(body);
     const Watched motion("tests/data/block.toml", {body, "control.initial=[\"0.3\", \"-0.5\"]",
                                                    "clamp=[{ on=\"left\", "
                                                    "components=[\"x\"], value=[\"0.1*t^2\"] }]",
@@ -391,6 +400,7 @@ TEST_CASE("what clamps, obstacles and loads do is the rate of momentum, by probe
       "name=\"body\", body=true }]";
   for (const char* value : {"[\"0\", \"0\"]", "[\"0.3*sin(3*t)^2\", \"-0.5*t^2\"]"})
     for (const Settings& scheme : schemes) {
+      CAPTURE(scheme);
       const std::string clamp = fmt::format("clamp=[{{ on=\"left\", value={} }}]", value);
       const Watched motion("tests/data/block.toml",
                            with({probes, clamp, "initial.velocity=[\"0\", \"0\"]",
@@ -400,6 +410,7 @@ TEST_CASE("what clamps, obstacles and loads do is the rate of momentum, by probe
       double reactions = 0, forces = 0;
       for (std::size_t k = 1; k < motion.balance.size(); ++k) {
         for (const auto& [axis, weight] : {std::pair{"x", 0.0}, {"y", -3.0}}) {
+          CAPTURE(axis, weight);
           const auto probe = [&](const char* name) {
             return motion.probe(k, fmt::format("{}_{}", name, axis));
           };
@@ -452,6 +463,7 @@ TEST_CASE("contact that changes for a single step is counted", "[forward]") {
 TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature of the gap", "[contact]") {
   constexpr double R = 15, modulus = 1e8;
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    CAPTURE(degree);
     const test::Ready ready("scenes/half-ball.toml",
                             {"mesh.size=3", degree, "control.initial=[\"0\", \"0\", \"0\"]"});
     const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
@@ -492,8 +504,10 @@ TEST_CASE("frames are stored a few hundred times, where nothing else is said", "
                                      {1501, 10},
                                      {3000, 10},
                                      {3001, 20},
-                                     {100'000'000, 500'000}})
+                                     {100'000'000, 500'000}}) {
+    CAPTURE(steps, every);
     CHECK(scene::Output::automatic(steps) == every);
+  }
   const auto every = [](const Settings& settings) {
     return test::parse(test::source("tests/data/block.toml"), settings).output.every;
   };

@@ -104,6 +104,7 @@ TEST_CASE("means over steps are exact, whatever passes within them", "[fem]") {
   const double end = 5;
   SECTION("polynomials, at any part of a panel") {
     for (const double length : {4.0, 1.0, 0.1, 1e-3}) {
+      CAPTURE(length);
       const double a = 0.7, b = a + length;
       CHECK(std::abs(mean("t^3 - 2*t", a, b, end) /
                          ((std::pow(b, 4) - std::pow(a, 4)) / 4 - (b * b - a * a)) * length -
@@ -112,9 +113,11 @@ TEST_CASE("means over steps are exact, whatever passes within them", "[fem]") {
   }
   SECTION("waves") {
     const double w = 40 * std::numbers::pi;
-    for (const double length : {4.0, 0.33, 1e-3})
+    for (const double length : {4.0, 0.33, 1e-3}) {
+      CAPTURE(length);
       CHECK(std::abs(mean("sin(40*pi*t)", 0.6, 0.6 + length, end) -
                      (std::cos(w * 0.6) - std::cos(w * (0.6 + length))) / w / length) < 1e-9);
+    }
   }
   SECTION("pulses that no sample would see, of an impulse of 1") {
     for (const double width : {1e-5, 1e-3, 0.1}) {

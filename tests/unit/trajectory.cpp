@@ -8,6 +8,7 @@
 #include "fixtures.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -186,32 +187,33 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
 }
 
 TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
-  for (const char* scheme : {"time.scheme=contact-implicit", "time.scheme=contact-stabilized"}) {
-    test::Ready ready("tests/data/block.toml", {"solver.linear=iterative", scheme});
-    std::optional<adjoint::ErrorParts> expected;
-    for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
-      ready.scene.trajectory = checkpoints(ready.problem.stepper, 6);
-      ready.scene.trajectory.storage = kind;
-      problem::ControlProblem problem(ready.problem, test::silent());
-      problem.reduced.simulate(some(problem.controls, 1));
-      problem.reduced.accept();
-      REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
-                                  [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
-      const long before = recomputed;
-      const adjoint::ErrorParts error = accuracy::estimate_error(ready.problem, problem);
-      CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
-      if (!expected)
-        expected = error;
-      CHECK(std::abs(error.time) > 0);
-      CHECK(error.time == expected->time);
-      // On more than two ranks the matrices of degree 2, made anew each time, are summed up in no fixed
-      // order. Their rounding adds to the residual what a change ε y of the motion does, as the Courant
-      // number is about one, and that changes J by ε J in a step.
-      const double unit = std::numeric_limits<double>::epsilon() * problem.reduced.value().total();
-      const double rounding = ranks(MPI_COMM_WORLD) > 2 ? ready.problem.steps() * unit : 0;
-      REQUIRE(rounding < 1e-8 * std::abs(*error.space));
-      CHECK(std::abs(*error.space - *expected->space) <= rounding);
-    }
+  const char* scheme =
+      GENERATE(as<const char*>{}, "time.scheme=contact-implicit", "time.scheme=contact-stabilized");
+  CAPTURE(scheme);
+  test::Ready ready("tests/data/block.toml", {"solver.linear=iterative", scheme});
+  std::optional<adjoint::ErrorParts> expected;
+  for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
+    ready.scene.trajectory = checkpoints(ready.problem.stepper, 6);
+    ready.scene.trajectory.storage = kind;
+    problem::ControlProblem problem(ready.problem, test::silent());
+    problem.reduced.simulate(some(problem.controls, 1));
+    problem.reduced.accept();
+    REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
+                                [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
+    const long before = recomputed;
+    const adjoint::ErrorParts error = accuracy::estimate_error(ready.problem, problem);
+    CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
+    if (!expected)
+      expected = error;
+    CHECK(std::abs(error.time) > 0);
+    CHECK(error.time == expected->time);
+    // On more than two ranks the matrices of degree 2, made anew each time, are summed up in no fixed
+    // order. Their rounding adds to the residual what a change ε y of the motion does, as the Courant
+    // number is about one, and that changes J by ε J in a step.
+    const double unit = std::numeric_limits<double>::epsilon() * problem.reduced.value().total();
+    const double rounding = ranks(MPI_COMM_WORLD) > 2 ? ready.problem.steps() * unit : 0;
+    REQUIRE(rounding < 1e-8 * std::abs(*error.space));
+    CHECK(std::abs(*error.space - *expected->space) <= rounding);
   }
 }
 
@@ -330,6 +332,7 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
       trajectory.run(expected == &loaded ? problem.load() : step::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
+        CAPTURE(k);
         const step::State& state = trajectory.at(k);
         CHECK(test::difference(state.y(), expected->y[static_cast<std::size_t>(k)]) == 0);
         CHECK(test::difference(state.v(), expected->v[static_cast<std::size_t>(k)]) == 0);

@@ -55,6 +55,7 @@ TEST_CASE("steps of a ladder begin at multiples of their length and end where th
   std::vector<double> levels;
   std::vector<step::TimeStep> steps;
   for (const int level : {0, 2, 3, 4, 4, 2, 2, 1, 3, 3, 2}) {
+    CAPTURE(level);
     REQUIRE(level >= builder.least_level());
     builder.add(step_lengths.levels);
     builder.remove(); // without a trace
