@@ -240,7 +240,7 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
     largest = motion.forces.sizes.max()
     arrows = axes.quiver(*motion.forces.points[0].T, *np.zeros_like(motion.forces.points[0]).T, angles="xy",
                          scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
-                         color=style.VERMILLION, width=0.007)
+                         color=style.VERMILION, width=0.007)
     key = round_down(largest)
     factor, unit = style.prefixed(key, motion.forces.unit)
     height = axes.get_position().height * axes.figure.get_figheight()
@@ -254,8 +254,8 @@ def palette() -> Image.Image:
         return np.linspace(to_rgb(start), to_rgb(end), count)
 
     field = colormaps[style.FIELD_COLOURS](np.linspace(0, 1, 160))[:, :3]
-    colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILLION, GREY, 16),
-                              blend(style.VERMILLION, "white", 16)])
+    colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILION, GREY, 16),
+                              blend(style.VERMILION, "white", 16)])
     image = Image.new("P", (1, 1))
     image.putpalette(np.rint(255 * colours).astype(np.uint8).tobytes())
     return image

@@ -18,7 +18,7 @@ from .command_line import run_alone
 from .files import NotInRun
 from .run_folder import RunFolder
 
-LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-."), (style.ORANGE, ":")]
+LOOKS = [(style.BLUE, "-"), (style.VERMILION, "--"), (style.GREEN, "-."), (style.ORANGE, ":")]
 
 
 def draw(run: RunFolder) -> list[Path]:
@@ -43,7 +43,7 @@ def draw(run: RunFolder) -> list[Path]:
         # Row 0 is the initial state, in which no force has acted yet.
         middle = (times[1:] + times[:-1]) / 2
         axes.plot(middle, force[1:] * factor, ".-", color=style.GREY, linewidth=0.8, markersize=4, label="each step")
-        axes.plot(times[1:-1], mean(force) * factor, color=style.VERMILLION, label="mean of two neighbouring steps")
+        axes.plot(times[1:-1], mean(force) * factor, color=style.VERMILION, label="mean of two neighbouring steps")
         axes.set_ylabel(f"{label} ({unit})")
     axes.set_ylim(bottom=0)
     style.legend_above(axes)

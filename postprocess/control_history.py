@@ -14,7 +14,7 @@ from .command_line import run_alone
 from .report_control import resultant_of
 from .run_folder import RunFolder
 
-LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-.")]
+LOOKS = [(style.BLUE, "-"), (style.VERMILION, "--"), (style.GREEN, "-.")]
 
 
 def draw(run: RunFolder) -> list[Path]:

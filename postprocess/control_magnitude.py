@@ -98,7 +98,7 @@ def mark_contact(axes: Axes, run: RunFolder, view: View, time: float) -> None:
     contact = run.contact
     nodes = contact.points[contact.touches[nearest(contact.times, time)]]
     if len(nodes):
-        axes.plot(*view.project(nodes).T, "o", color=style.VERMILLION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
+        axes.plot(*view.project(nodes).T, "o", color=style.VERMILION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
                   linestyle="none", clip_on=False, label="in contact")
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderpad=0, handletextpad=0.1)
 

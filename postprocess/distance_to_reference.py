@@ -26,7 +26,7 @@ def draw(run: RunFolder) -> list[Path]:
 
     figure, axes = style.graph()
     axes.plot(iteration, distance, color=style.BLUE)
-    axes.plot(iteration[best], distance[best], "o", color=style.VERMILLION, clip_on=False, zorder=3,
+    axes.plot(iteration[best], distance[best], "o", color=style.VERMILION, clip_on=False, zorder=3,
               label=f"smallest: {distance[best]:.3f} at iteration {iteration[best]:.0f}")
     axes.set_xlabel("iteration")
     axes.set_ylabel(r"$\|u - u_\mathrm{ref}\| \,/\, \|u_\mathrm{ref}\|$ (relative)")

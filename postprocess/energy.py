@@ -32,7 +32,7 @@ def draw(run: RunFolder) -> list[Path]:
         axes.plot(times, potential * factor, color=style.GREEN, linestyle=":", label="potential")
     axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None else "sum of these")
     if dissipated[-1] > 0:
-        axes.plot(times, dissipated * factor, color=style.VERMILLION, linestyle="-.", label="dissipated so far")
+        axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
     style.shade_contact(axes, times, steps["active"])
     axes.set_ylabel(f"energy ({unit})")
     axes.set_ylim(bottom=0)

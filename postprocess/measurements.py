@@ -18,10 +18,10 @@ def draw(run: RunFolder) -> list[Path]:
     for i, (name, one) in enumerate(report_fit.measurements(run).items(), 1):
         figure, axes = style.graph()
         times = style.time_axis(axes, one.time)
-        axes.fill_between(times, one.simulated - 2 * one.deviation, one.simulated + 2 * one.deviation, color=style.VERMILLION,
+        axes.fill_between(times, one.simulated - 2 * one.deviation, one.simulated + 2 * one.deviation, color=style.VERMILION,
                           alpha=0.18, linewidth=0, label="±2 deviations")  # fmt: skip
         axes.plot(times, one.value, ".", color=style.GREY, markersize=4, label="measured")
-        axes.plot(times, one.simulated, color=style.VERMILLION, label="simulated")
+        axes.plot(times, one.simulated, color=style.VERMILION, label="simulated")
         axes.set_ylabel(f"{name} ({report_fit.unit_of(run, name)})")
         style.legend_above(axes)
         files.append(style.save(figure, run.path / "figures" / f"measurements-{i}.png"))

@@ -19,7 +19,7 @@ from .run_folder import RunFolder, potential_of_loads
 
 ROUNDING = 1e-9  # a relative difference up to this is none
 STEPWISE = "active", "control-resultant"  # a row is valid for the step that ends there
-LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash")]
+LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash")]
 Two = tuple[RunFolder, RunFolder]
 Curve = tuple[np.ndarray, np.ndarray]
 

@@ -14,7 +14,7 @@ from .run_folder import Contact, RunFolder
 MOST_COLUMNS = 400  # times in a map of the contact surface
 RINGS = 40  # distances in such a map of a body in space
 MOST_CURVES = 6
-COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
+COLOURS = [style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"]
 FROM_ZERO = {"rangemode": "tozero"}
 ALTERNATE = "Single forces of contact-implicit steps alternate about the true one; the mean of two converges to it."
@@ -53,7 +53,7 @@ def force_over_time(run: RunFolder, force: np.ndarray, what: str, unit: str) -> 
     force = force[1:] * factor
     curves = [line("each step", (times[1:] + times[:-1]) / 2, force, GREY, width=1)]
     if len(force) > 1:
-        curves.append(line("mean of two steps", times[1:-1], (force[1:] + force[:-1]) / 2, style.VERMILLION))
+        curves.append(line("mean of two steps", times[1:-1], (force[1:] + force[:-1]) / 2, style.VERMILION))
     return figure(curves, title, f"{what} ({unit})", xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
 
 

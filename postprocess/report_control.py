@@ -12,7 +12,7 @@ from .report_fields import area, nodal, support_of
 from .report_parts import Chart, figure, line, time_axis
 from .run_folder import RunFolder
 
-LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
+LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
 
 
 def resultant(run: RunFolder) -> Chart:

@@ -115,7 +115,7 @@ def compared(run: RunFolder) -> Chart:
         time, title = time_axis(one.time)
         views[name] = figure([band(time, one.simulated - 2 * one.deviation, one.simulated + 2 * one.deviation, "±2 deviations"),
                               dots("measured", time, one.value, GREY, size=4),
-                              line("simulated", time, one.simulated, style.VERMILLION)], title, f"{name} ({unit_of(run, name)})")  # fmt: skip
+                              line("simulated", time, one.simulated, style.VERMILION)], title, f"{name} ({unit_of(run, name)})")  # fmt: skip
     return Chart("measured", "Measured and simulated", views, "The band is the noise around the simulation: about 95 % of the data lie in it.")
 
 
@@ -145,7 +145,7 @@ def confidence(run: RunFolder) -> Chart:
             x = radius * np.cos(angle)
             y = correlation * x + radius * np.sqrt(max(1 - correlation**2, 0)) * np.sin(angle)
             curves.append(line(name, a["value"] + a["standard_deviation"] * x, b["value"] + b["standard_deviation"] * y, style.BLUE, dash))
-        curves.append(dots("fitted", np.array([a["value"]]), np.array([b["value"]]), style.VERMILLION, size=9))
+        curves.append(dots("fitted", np.array([a["value"]]), np.array([b["value"]]), style.VERMILION, size=9))
         views[f"{a['name']} and {b['name']}"] = figure(curves, axis_title(a), axis_title(b))
     if not views:
         raise NotInRun("the data determine no two unknowns")

@@ -10,7 +10,7 @@ from .run_folder import RunFolder
 
 UNITS = {"displacement": "m", "velocity": "m/s", "center": "m", "rotation": "rad"}
 PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # in the plane per metre
-LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
+LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
 
 
 def charts(run: RunFolder) -> list[Chart]:

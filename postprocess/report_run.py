@@ -159,7 +159,7 @@ def energies(run: RunFolder) -> Chart:
     if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):
         curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
     if dissipated[-1] > 0:
-        curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILLION, "dashdot"))
+        curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILION, "dashdot"))
     view = figure(curves, title, f"energy ({unit})", yaxis=FROM_ZERO)
     return Chart.single("energies", "Energies over time", view, note)
 
@@ -177,7 +177,7 @@ def residuals(run: RunFolder) -> Chart:
     laws = {name: law for name, law in relative_residuals(run.steps, run.has_contact).items() if (law > 0).any()}
     if not laws:
         raise NotInRun("each step keeps its laws without any rest")
-    looks = [(style.BLUE, "circle"), (style.VERMILLION, "diamond"), (style.GREEN, "square")]
+    looks = [(style.BLUE, "circle"), (style.VERMILION, "diamond"), (style.GREEN, "square")]
     curves = [dots(name, times, positive(law), *look) for (name, law), look in zip(laws.items(), looks)]
     tolerance = np.full(2, run.scene["run"]["tolerance"])
     curves.append(line("run.tolerance", times[[0, -1]], tolerance, GREY, "dash", 1.5))

@@ -10,7 +10,7 @@ from .report_parts import GREY, Chart, Page, Section, Table, figure, packed, qua
 from .run_folder import Unreadable
 from .study_folder import Method, Rung, StudyFolder
 
-COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
+COLOURS = [style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross"]
 
 

@@ -24,8 +24,8 @@ from .run_folder import RunFolder
 
 
 # Columns of history.csv, with their labels; those of a fit and of a search differ.
-PANELS = {"objective": ("objective $J_i$", style.BLUE), "gradient_norm": ("gradient norm", style.VERMILLION),
-          "decrement": ("decrement", style.VERMILLION), "step_length": ("step length", style.GREEN), "damping": ("damping", style.GREEN)}  # fmt: skip
+PANELS = {"objective": ("objective $J_i$", style.BLUE), "gradient_norm": ("gradient norm", style.VERMILION),
+          "decrement": ("decrement", style.VERMILION), "step_length": ("step length", style.GREEN), "damping": ("damping", style.GREEN)}  # fmt: skip
 
 
 def draw(history: Table, path: Path) -> None:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from .run_folder import Unreadable
 from .study_folder import Method, StudyFolder, is_study
 
-COLOURS = {("contact-implicit", "consistent"): style.BLUE, ("contact-stabilized", "consistent"): style.VERMILLION,
+COLOURS = {("contact-implicit", "consistent"): style.BLUE, ("contact-stabilized", "consistent"): style.VERMILION,
            ("contact-implicit", "massless"): style.GREEN}  # fmt: skip
 NAMES = {("contact-implicit", "consistent"): "contact-implicit", ("contact-stabilized", "consistent"): "contact-stabilized",
          ("contact-implicit", "massless"): "massless contact"}  # fmt: skip

@@ -101,9 +101,17 @@ class Reader:
         assert wide <= screen, f"{self.page}: {wide} pixels wide on a screen of {screen}"
 
     def close(self) -> None:
-        """Looks at what the browser wrote down."""
+        """Asserts that the browser reported no error and that the page asked for no other file."""
         errors = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
         assert not errors, errors
         events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         asked = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
         assert {url for url in asked if not url.startswith(("data:", "blob:"))} == {self.page.as_uri()}, asked
+
+
+@contextmanager
+def opened(driver: Chrome, page: Path, width: int = 1280, height: int = 900) -> Iterator[Reader]:
+    """The reader of a page in a window, by default of a desk's size; checks at the end what the browser reported."""
+    reader = Reader(driver, page, width, height)
+    yield reader
+    reader.close()

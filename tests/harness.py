@@ -4,15 +4,18 @@
 import csv
 import json
 import re
+import shutil
 import subprocess
-import sys
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy as np
 import resident
 
-SIGNORINI, SOURCE = (Path(a).resolve() for a in sys.argv[1:3])
+SIGNORINI = Path(shutil.which("signorini") or "signorini").resolve()  # of PATH, as ctest and ./dev exec set it
+BUILD = SIGNORINI.parent
+SOURCE = Path(__file__).resolve().parents[1]
+FAULTS = BUILD / "tests" / "libsignorini-faults.so"  # preloaded into a program, lets its calls fail
 HALF_DISC = SOURCE / "scenes" / "half-disc.toml"
 HALF_BALL = SOURCE / "scenes" / "half-ball.toml"
 
@@ -20,8 +23,7 @@ HALF_BALL = SOURCE / "scenes" / "half-ball.toml"
 def signorini(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **overrides: object) -> subprocess.CompletedProcess:
     """Runs a verb; an override key's double underscore stands for the dot. Fails unless the exit status is 0."""
     done = attempt(verb, scene, out, ranks, **overrides)
-    if done.returncode:
-        raise SystemExit(f"{done.args} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    assert done.returncode == 0, f"{done.args} ended with {done.returncode}:\n{done.stdout}{done.stderr}"
     return done
 
 

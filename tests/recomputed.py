@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests compare a run's numbers with: a body of linear elements in numpy, from a run's mesh and its scene alone."""
+"""What tests compare a run's numbers with, and how: a body of linear elements in numpy, from a run's mesh and its scene alone."""
 
 import json
 import tomllib
@@ -11,26 +11,24 @@ from harness import boundary, stored, table
 
 ROUNDING = 1e-11  # of sums over some hundred numbers, relative to the largest
 TABLE = 1e-9  # times are printed with ten digits
-failures: list[str] = []
 
 
 def near(what: str, found: object, expected: object, tolerance: float = ROUNDING, scale: float | None = None) -> None:
-    """Compares numbers relative to the largest expected one, or to `scale`; NaN is near NaN alone."""
+    """Asserts that numbers are equal, relative to the largest expected one or to `scale`; NaN equals NaN alone."""
     found, expected = (np.asarray(values, dtype=float) for values in (found, expected))
+    assert found.shape == expected.shape, what
+    assert np.array_equal(np.isnan(found), np.isnan(expected)), f"{what}: no numbers in different places"
     size = np.nanmax(np.abs(expected), initial=0) if scale is None else scale
-    same = found.shape == expected.shape and np.array_equal(np.isnan(found), np.isnan(expected))
-    if not same or np.nanmax(np.abs(found - expected), initial=0) > tolerance * size:
-        fail(what, found.ravel()[:12] if same else f"{found.shape}: {found.ravel()[:12]}", expected.ravel()[:12])
+    off = np.nanmax(np.abs(found - expected), initial=0)
+    assert off <= tolerance * size, f"{what}: found {found.ravel()[:12]}, expected {expected.ravel()[:12]}"
 
 
 def same(what: str, found: object, expected: object) -> None:
-    if found != expected:
-        fail(what, found, expected)
+    assert found == expected, what
 
 
 def fail(what: str, found: object, expected: object) -> None:
-    failures.append(what)
-    print(f"FAIL  {what}: found {found}, expected {expected}", flush=True)
+    raise AssertionError(f"{what}: found {found}, expected {expected}")
 
 
 class Body:
@@ -61,13 +59,13 @@ class Body:
         self.M = self.density * self.W
 
     def strain_of(self, values: np.ndarray, cell: int) -> np.ndarray:
-        """Of one cell's nodal values, 3 × 3."""
+        """The strain (3 × 3) of one cell's nodal values."""
         gradient = np.zeros((3, 3))
         gradient[: self.dim, : self.dim] = values.T @ self.slopes[cell]
         return (gradient + gradient.T) / 2
 
     def strains(self, values: np.ndarray) -> np.ndarray:
-        """Of nodal values (nodes × dim), cells × 3 × 3."""
+        """The strains (cells × 3 × 3) of nodal values (nodes × dim)."""
         return np.array([self.strain_of(values[nodes], cell) for cell, nodes in enumerate(self.cells)])
 
     def stresses(self, displacement: np.ndarray, velocity: np.ndarray) -> np.ndarray:
@@ -96,13 +94,13 @@ def isotropic(moduli: tuple[float, float], strain: np.ndarray) -> np.ndarray:
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
-    """By the differences of components."""
+    """The von Mises stress, by differences of components."""
     squares = sum((stress[..., i, i] - stress[..., j, j]) ** 2 / 2 + 3 * stress[..., i, j] ** 2 for i, j in combinations(range(3), 2))
     return np.sqrt(squares)
 
 
 class Run:
-    """A run's files, and its body made again."""
+    """A run's files, and its body recomputed."""
 
     def __init__(self, out: Path) -> None:
         self.path, self.manifest = out, json.loads((out / "run.json").read_text())

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What tests of studies share."""
 
+import signal
 import subprocess
+import time
 from pathlib import Path
 
-import numpy as np
-from harness import SIGNORINI, SOURCE, captured, table
-from patch_scene import PRESSURE, patch
+from harness import SIGNORINI, SOURCE, captured
 
 DATA = SOURCE / "tests" / "data"
 IMPACT = SOURCE / "scenes" / "bar-impact.toml"
+# A study of the half disc with one rung, for searches beside it.
+ONE_RUNG = ("--sizes", "2", "--steps", "1e-4", "--quantity", "J", "--set", "mesh.size=2", "--set", "time.step=1e-4")
 
 
 def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, status: int = 0) -> subprocess.CompletedProcess:
@@ -20,13 +22,13 @@ def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, statu
     return done
 
 
-def pressure(folder: Path, ranks: int = 1) -> None:
-    """The uniform pressure of the patch test, of both degrees; see tests/verification/hard/discs.py."""
-    for name, dim in (("plane", 2), ("space", 3)):
-        scene = folder / f"patch-{name}.toml"
-        scene.write_text(patch(dim, size=0.5, step=0.02) + f'[exact]\npressure = "{PRESSURE}"\n')
-        out = folder / f"patch-{name}-{ranks}"
-        study(scene, out, "--sizes", "0.5", "--steps", "0.02", "--degrees", "1,2", "--quantity", "pressure", ranks=ranks)
-        rows = table(out / "study.csv")
-        print(f"uniform pressure, {name}, {ranks} ranks: off by", *(f"{error:.0e}" for error in rows["pressure_error"]))
-        assert sorted(rows["degree"]) == [1, 2] and np.max(rows["pressure_error"]) < 1e-10  # 500 steps, each to about 1e-14 of the stiffest
+def interrupt(scene: Path, out: Path, *options: str, after: str, pause: float = 0) -> None:
+    """Runs a study and sends SIGINT `pause` seconds after it printed a line that starts with `after`."""
+    process = subprocess.Popen([str(SIGNORINI), "study", str(scene), "--out", str(out), *options], stdout=subprocess.PIPE, text=True)
+    for line in process.stdout:
+        if line.startswith(after):
+            break
+    time.sleep(pause)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=300)
+    assert process.returncode == 130

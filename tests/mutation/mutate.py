@@ -35,25 +35,25 @@ SOLVERS = {
     "step": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
     "trajectory": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],
     "diagnostics": [r"unit\.(forward|study|io)\."],
-    "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\.", r"verification\.fits\.derivatives"],
-    "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\.", r"verification\.fits\.derivatives"],
+    "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\.", r"verification\.fit-derivatives"],
+    "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\.", r"verification\.fit-derivatives"],
     "fem": [r"unit\.(fem|mesh)\.", r"unit\.(forward|contact)\.", r"derivative\."],
     "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base
     "optimize": [r"unit\.optimize\."],
 }
 RUNS = [r"regression\.values", r"regression\.(outputs|measure|tables|definitions|time-series|desired-run)$"]
 OUTPUTS = {
-    "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study|replay)$", r"verification\.fits\.(exact|linear|recovery)",
+    "io": [r"unit\.io\.", *RUNS, r"regression\.(docs$|resume$|bad-input|keys|study$|replay$)", r"verification\.fit-(linear|recovery)",
            r"python\.(runs|fits)"],
-    **dict.fromkeys(("problem", "drivers", "accuracy", "app"), [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
-            r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$",
-            r"verification\.fits\.(derivatives|recovery|together)"]),  # fmt: skip
-    "postprocess": [r"regression\.(geometry|values)$", r"regression\.(postprocess|watch|command-line)$", r"verification\.fits\.linear", r"python\.runs",
+    **dict.fromkeys(("problem", "drivers", "accuracy", "app"), [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fit-linear",
+            r"python\.(runs|fits)", r"regression\.(resume$|study|keys\.|bad-input|coarse-start$|accuracy$)",
+            r"verification\.fit-(derivatives|recovery|with-control)"]),  # fmt: skip
+    "postprocess": [r"regression\.(geometry$|values)", r"regression\.(postprocess|watch|command-line)$", r"verification\.fit-linear", r"python\.runs",
                     r"regression\.(figures|pages|report|accuracy)$"],
-    "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers|ranks)"],
+    "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers)"],
 }  # fmt: skip
 # What takes long meets those alone that all others let through.
-SLOW = re.compile(r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy|figures|pages|report|replay)$|verification\.fits\.(derivatives|recovery|together)|python\.(optimizers|ranks)")
+SLOW = re.compile(r"regression\.(resume$|study|keys\.|bad-input|coarse-start$|accuracy$|figures$|pages$|report$|replay$)|verification\.fit-(derivatives|recovery|with-control)|python\.(optimizers)")
 GROUPS = {"solvers": SOLVERS, "outputs": OUTPUTS}
 WATCHED_BY = SOLVERS | OUTPUTS
 MOST_RANKS = 2

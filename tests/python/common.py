@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests of the Python module share. SOURCE is their last argument but options."""
+"""What the tests of the Python module share: the half disc, a change of its control, Python started anew on several ranks."""
 
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -8,14 +10,15 @@ import numpy as np
 
 import signorini
 
-SOURCE = Path(__file__).resolve().parents[2]
-SCENES = SOURCE / "scenes"
+HERE = Path(__file__).resolve().parent
+SCENES = HERE.parents[1] / "scenes"
 PUSHED = ["0", "-0.9*(1 + 0.2*sin(800*t))"]  # a control under which the half disc touches, leaves and comes back
 
 
 def half_disc(size: float = 2, **overrides: object) -> signorini.Scene:
     """The half disc; an override key's double underscore stands for the dot."""
-    return signorini.Scene(SCENES / "half-disc.toml", {"mesh.size": size, **{key.replace("__", "."): one for key, one in overrides.items()}})
+    keys = {key.replace("__", "."): one for key, one in overrides.items()}
+    return signorini.Scene(SCENES / "half-disc.toml", {"mesh.size": size, **keys})
 
 
 def direction(problem: signorini.Problem, phase: float = 0.0) -> np.ndarray:
@@ -25,19 +28,12 @@ def direction(problem: signorini.Problem, phase: float = 0.0) -> np.ndarray:
     return np.stack(components, axis=2).reshape(problem.shape)
 
 
-def show(text: str) -> None:
-    """Prints on rank 0."""
-    if signorini.rank == 0:
-        print(text, flush=True)
-
-
-def raised(kind: type, call: object) -> str:
-    """The sentence of the error that a call raises. Fails if it raises none."""
-    try:
-        call()
-    except kind as error:
-        return str(error)
-    raise AssertionError(f"{call} raised no {kind.__name__}")
-
-
-sys.stdout.reconfigure(line_buffering=True)
+def started(*arguments: object, ranks: int = 1, mpi4py: bool = True, **options: object) -> subprocess.CompletedProcess:
+    """Python on a script or with -c, in a world of its own, where `common` can be imported. With mpi4py all ranks end
+    where one fails. Raises TimeoutExpired where Python never ends."""
+    command = ["mpirun", "--oversubscribe", "-n", str(ranks)] * (ranks > 1) + [sys.executable]
+    command += ["-m", "mpi4py"] * mpi4py + [str(argument) for argument in arguments]
+    # Without what MPI, which this process may have started, left in the environment.
+    env = {key: value for key, value in os.environ.items() if not key.startswith(("PMIX_", "PRTE_MCA_ess", "OMPI_COMM_WORLD"))}
+    env |= {"PYTHONPATH": f"{HERE}:{env['PYTHONPATH']}"} | options.pop("env", {})
+    return subprocess.run(command, capture_output=True, text=True, timeout=400, env=env, **options)

@@ -1,22 +1,264 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors are Python's, with the program's sentences; Ctrl-C stops a sweep, and the interpreter goes on; a rank that fails ends all."""
+"""Errors are Python's, with the program's sentences; Ctrl-C stops a sweep, and the interpreter continues; a rank that fails ends all."""
 
-import os
 import signal
-import subprocess
-import sys
-import tempfile
 import threading
+from collections.abc import Callable
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
-from common import PUSHED, SCENES, direction, half_disc, raised, show
+import pytest
+from common import PUSHED, SCENES, direction, half_disc, started
 
 import signorini
 
+SENTENCES = {
+    "misspelt key": (lambda: half_disc(mesh__sise=1), ("mesh.sise", "did you mean", "size")),
+    "value": (lambda: half_disc(-1), ("-1",)),
+    "file": (lambda: signorini.Scene("no-such.toml"), ("no-such.toml",)),
+    "type": (lambda: half_disc(control__lower="much"), ("lower",)),
+    "no control": (lambda: signorini.Scene(SCENES / "disc-drop.toml").problem(), ("[control]",)),
+    "no unknown": (lambda: half_disc(4).fit(), ("[[unknown]]",)),
+    "folder": (lambda: signorini.read("no-such-folder"), ("no-such-folder",)),
+}
+
+
+@pytest.mark.parametrize("call, texts", SENTENCES.values(), ids=SENTENCES)
+def test_sentence(call: Callable, texts: tuple[str, ...]) -> None:
+    """What the program says of the same mistakes."""
+    with pytest.raises(signorini.SceneError) as raised:
+        call()
+    assert all(text in str(raised.value) for text in texts)
+
+
+def test_kinds() -> None:
+    assert issubclass(signorini.SceneError, ValueError) and issubclass(signorini.SolverFailure, RuntimeError)
+    with pytest.raises(TypeError, match="override"):
+        half_disc(control=None)
+
+
+@pytest.fixture(scope="module")
+def problem() -> signorini.Problem:
+    return half_disc(4).problem()
+
+
+@pytest.fixture(scope="module")
+def fit() -> signorini.Fit:
+    return signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3}).fit()
+
+
+def test_failures_of_a_problem(problem: signorini.Problem) -> None:
+    with pytest.raises(IndexError):
+        problem.displacement(problem.zero(), 10**6)
+    with pytest.raises(ValueError, match="found nan or inf"):
+        problem.value(problem.zero() + np.nan)
+    with pytest.raises(signorini.SolverFailure, match="the solution is not finite"):
+        problem.value(problem.zero() + 1e308)
+    assert problem.value(problem.zero()) > 0, "the problem is of use after a failure"
+
+
+UNARY = ("value", "value_and_gradient", "representative", "parts", "states", "active", "riesz", "metric.apply", "metric.apply_inverse",
+         "gather", "scatter")  # fmt: skip
+OF_A_CONTROL = {name: lambda problem, u, w, name=name: attrgetter(name)(problem)(w) for name in UNARY} | {
+    "replicated().vector": lambda problem, u, w: problem.replicated().vector(w),
+    "hessian_product(u, w)": lambda problem, u, w: problem.hessian_product(u, w),
+    "metric.product(w, u)": lambda problem, u, w: problem.metric.product(w, u),
+    "metric.product(u, w)": lambda problem, u, w: problem.metric.product(u, w),
+    "pairing(u, w)": lambda problem, u, w: problem.pairing(u, w),
+    "pairing(w, u)": lambda problem, u, w: problem.pairing(w, u),
+}
+OF_A_VECTOR = {
+    "value": lambda flat, x, w: flat.value(w),
+    "value_and_gradient": lambda flat, x, w: flat.value_and_gradient(w),
+    "control": lambda flat, x, w: flat.control(w),
+    "hessian_product(w, x)": lambda flat, x, w: flat.hessian_product(w, x),
+    "hessian_product(x, w)": lambda flat, x, w: flat.hessian_product(x, w),
+}
+
+
+@pytest.mark.parametrize("call", OF_A_CONTROL.values(), ids=OF_A_CONTROL)
+def test_shape_of_a_control(problem: signorini.Problem, call: Callable) -> None:
+    """Controls have their shape, not only as many entries: another order of axes is another control."""
+    u = direction(problem)
+    other = u.T
+    assert other.shape != u.shape
+    call(problem, u, u)
+    for wrong in (other, np.ascontiguousarray(other), u.ravel(), u[None], u[:-1]):
+        with pytest.raises(ValueError) as raised:
+            call(problem, u, wrong)
+        assert str(problem.shape) in str(raised.value)
+
+
+@pytest.mark.parametrize("call", OF_A_VECTOR.values(), ids=OF_A_VECTOR)
+def test_shape_of_a_vector(problem: signorini.Problem, call: Callable) -> None:
+    u, flat = direction(problem), problem.replicated()
+    x = flat.vector(u)
+    call(flat, x, x)
+    for wrong in (x[None], x[:, None], u, x[:-1]):
+        with pytest.raises(ValueError, match=str(problem.size)):
+            call(flat, x, wrong)
+
+
+def test_shape_of_unknowns(fit: signorini.Fit) -> None:
+    for wrong in (fit.start[None], fit.start[:, None], fit.start[:1]):
+        with pytest.raises(ValueError) as raised:
+            fit.residuals(wrong)
+        assert "(2)" in str(raised.value)
+
+
+ATTRIBUTES = {
+    "problem": ("lower", "upper", "times", "lengths", "points", "step_times", "nodes", "metric.weights", "metric.diagonal"),
+    "fit": ("start", "lower", "upper", "times", "measured", "deviations"),
+}
+
+
+@pytest.mark.parametrize("owner, name", [(owner, name) for owner, names in ATTRIBUTES.items() for name in names])
+def test_attribute_is_read_only(fit: signorini.Fit, owner: str, name: str) -> None:
+    """Bounds, lengths, places and data are what later calls compute with: a change in place is refused."""
+    array = attrgetter(name)(fit if owner == "fit" else half_disc(4, control__lower=-2, control__upper=1).problem())
+    assert array.size > 0
+    with pytest.raises(ValueError, match="read-only"):
+        array *= 1e3
+
+
+def test_attributes_can_be_passed_on(fit: signorini.Fit) -> None:
+    problem = half_disc(4, control__lower=-2, control__upper=1).problem()
+    assert problem.value(problem.lower) == problem.value(problem.lower.copy()) and fit.residuals(fit.start).shape == fit.measured.shape
+    assert half_disc(4).problem().lower is None
+
+
+def test_threads() -> None:
+    """Products, Riesz representatives and the ends of objects in other threads leave gradients as they are."""
+    options = {"control__initial": PUSHED, "objective__desired": {"displacement": ["0", "0"]}}
+    problem = half_disc(4, **options).problem()
+    d, controls = direction(problem), [problem.first_guess() * (1 + 1e-3 * k) for k in range(8)]
+    product, g, expected = problem.metric.product(d, d), problem.metric.apply_inverse(d), [problem.gradient(u) for u in controls]
+    off, rounds, done = [], 0, threading.Event()
+
+    def others() -> None:
+        nonlocal rounds
+        while not done.is_set():
+            off.append(abs(problem.metric.product(d, d) - product) + np.abs(problem.metric.apply_inverse(d) - g).max())
+            other = half_disc(4, **options).problem()
+            other.first_guess(), other.metric.weights, other.sweeps, other.timings  # noqa: B018 - computed, or waited for
+            rounds += 1
+
+    workers = [threading.Thread(target=others) for _ in range(2)]
+    for worker in workers:
+        worker.start()
+    try:
+        while rounds < 4:
+            found = [problem.gradient(u) for u in controls]
+            assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
+    finally:
+        done.set()
+        for worker in workers:
+            worker.join()
+    assert len(off) > 4 and np.max(off) == 0
+
+
+FULL = """
+import resource, signal
+import signorini
+from common import half_disc
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+short = {"time__step": 2.5e-4, "optimizer__max_iterations": 1}
+scene, tables = half_disc(4, **short), half_disc(4, **short, output__fields=[])
+calls = [lambda: scene.simulate("motion"), lambda: tables.simulate("motion")]
+if signorini.ranks == 1:
+    stored = half_disc(4, **short, trajectory__storage="disk").problem()
+    calls += [lambda: scene.optimize("search"), lambda: stored.gradient(stored.zero())]
+if signorini.rank == 0:  # which writes the results
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1500, resource.RLIM_INFINITY))
+for call in calls:
+    try:
+        call()
+    except OSError as error:
+        print(error)
+"""
+
+
+@pytest.mark.parametrize("ranks", (1, 2))
+def test_full_disk(ranks: int, tmp_path: Path) -> None:
+    """What cannot be written is an OSError; of results, on every rank."""
+    done = started("-c", FULL, ranks=ranks, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = done.stdout.splitlines()
+    assert len(found) == 4 and all("written" in line for line in found)
+    assert not (tmp_path / "motion").exists(), "a run is left half written"
+
+
+ALONE = """
+import sys
+import numpy as np, signorini
+from common import half_disc
+problem = half_disc(4, time__step=2.5e-4).problem() if {problem} else None
+if signorini.rank == 1:
+    {failure}
+elif problem:
+    problem.value(problem.zero())
+else:
+    signorini.world.wait()
+"""
+
+
+@pytest.mark.parametrize("failure, sentence, mpi4py, problem", (
+    ("raise RuntimeError('of rank 1 alone')", "RuntimeError: of rank 1 alone", True, False),
+    ("signorini.read('no-such-folder')", "SceneError", False, False),
+    ("sys.exit('gone from rank 1')", "gone from rank 1", True, True),
+    ("problem.value(np.zeros(3))", "found an array of shape (3)", False, True),
+))  # fmt: skip
+def test_a_rank_that_fails_alone(failure: str, sentence: str, mpi4py: bool, problem: bool) -> None:
+    """It ends all, with its message; none waits for it."""
+    done = started("-c", ALONE.format(failure=failure, problem=problem), ranks=2, mpi4py=mpi4py)
+    assert done.returncode != 0 and sentence in done.stderr
+
+
+def test_no_rank_fails() -> None:
+    done = started("-c", ALONE.format(failure="problem.value(problem.zero())", problem=True), ranks=2)
+    assert done.returncode == 0 and done.stderr == ""
+
+
+OPTIONS = """
+import ctypes, signorini
+signorini.rank  # starts MPI and PETSc
+petsc = ctypes.CDLL({petsc!r})
+found = ctypes.c_int(0)
+petsc.PetscOptionsHasName(None, None, ctypes.create_string_buffer(b"-of_a_file"), ctypes.byref(found))
+print(found.value)
+"""
+
+
+def test_no_petscrc(tmp_path: Path) -> None:
+    """PETSc reads its options from PETSC_OPTIONS, and from no file of the current folder, which could load code."""
+    signorini.rank  # noqa: B018 - loads PETSc
+    petsc = next(line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "libpetsc" in line)
+    for name in (".petscrc", "petscrc"):
+        (tmp_path / name).write_text(f"-of_a_file 1\n-log_view :{tmp_path}/written\n")
+    script = OPTIONS.format(petsc=petsc)
+    assert started("-c", script, cwd=tmp_path).stdout.split() == ["0"]
+    assert not (tmp_path / "written").exists()
+    done = started("-c", script, mpi4py=False, cwd=tmp_path, env={"PETSC_OPTIONS": "-of_a_file 1"})
+    assert done.stdout.split() == ["1"], "an option that is given is not seen: the case says nothing"
+
+
+def test_overrides_of_every_kind() -> None:
+    scene = half_disc(np.float64(3), control__lower=np.array([-2, -3]), output={"fields": [], "every": 7}, control__initial=("0.5*t", "x"),
+                      contact__obstacle__point=[0, -16], optimizer__checkpoint=np.int64(0))  # fmt: skip
+    for line in ("size = 3.0", "every = 7", "lower = [", "0.5*t", "checkpoint = 0", "fields = []"):
+        assert line in scene.text
+
+
+def test_path_with_a_quote(tmp_path: Path) -> None:
+    copy = tmp_path / 'ümlaut and "quote" ' / "half-disc.toml"
+    copy.parent.mkdir()
+    copy.write_text((SCENES / "half-disc.toml").read_text())
+    assert signorini.Scene(copy, {"mesh.file": SCENES.parent / "meshes/half-disc.geo", "mesh.size": 4}).problem().size > 0
+
+
 LONG = """
-import os, signal, sys, threading, time
-sys.path.insert(0, {folder!r})
+import os, signal, threading, time
 from common import half_disc
 handler = signal.getsignal(signal.SIGINT)
 clock = time.pthread_getcpuclockid(threading.main_thread().ident)
@@ -57,216 +299,7 @@ except KeyboardInterrupt:
 """
 
 
-def sentences() -> None:
-    """What the program says of the same mistakes."""
-    assert issubclass(signorini.SceneError, ValueError) and issubclass(signorini.SolverFailure, RuntimeError)
-    wrong = raised(signorini.SceneError, lambda: half_disc(mesh__sise=1))
-    show(wrong)
-    assert "mesh.sise" in wrong and "did you mean" in wrong and "size" in wrong
-    assert "-1" in raised(signorini.SceneError, lambda: half_disc(-1))
-    assert "no-such.toml" in raised(signorini.SceneError, lambda: signorini.Scene("no-such.toml"))
-    assert "lower" in raised(signorini.SceneError, lambda: half_disc(control__lower="much"))
-    assert "[control]" in raised(signorini.SceneError, lambda: signorini.Scene(SCENES / "disc-drop.toml").problem())
-    assert "[[unknown]]" in raised(signorini.SceneError, lambda: half_disc(4).fit())
-    assert "no-such-folder" in raised(signorini.SceneError, lambda: signorini.read("no-such-folder"))
-    assert "override" in raised(TypeError, lambda: half_disc(control=None))
-    problem = half_disc(4).problem()
-    shapes(problem)
-    raised(IndexError, lambda: problem.displacement(problem.zero(), 10**6))
-    assert "found nan or inf" in raised(ValueError, lambda: problem.value(problem.zero() + np.nan))
-    assert "the solution is not finite" in raised(signorini.SolverFailure, lambda: problem.value(problem.zero() + 1e308))
-    assert problem.value(problem.zero()) > 0, "the problem is of use after a failure"
-
-
-def shapes(problem: signorini.Problem) -> None:
-    """Controls have their shape, not only as many entries: another order of axes is another control."""
-    u, n = direction(problem), problem.size
-    flat, other = problem.replicated(), u.T
-    assert other.shape != u.shape
-    for call in (problem.value, problem.value_and_gradient, problem.representative, problem.parts, problem.states, problem.active,
-                 problem.riesz, problem.metric.apply, problem.metric.apply_inverse, problem.gather, problem.scatter, flat.vector,
-                 lambda w: problem.hessian_product(u, w), lambda w: problem.metric.product(w, u), lambda w: problem.metric.product(u, w),
-                 lambda w: problem.pairing(u, w), lambda w: problem.pairing(w, u)):  # fmt: skip
-        call(u)
-        for wrong in (other, np.ascontiguousarray(other), u.ravel(), u[None], u[:-1]):
-            assert str(problem.shape) in raised(ValueError, lambda: call(wrong)), call
-    x = flat.vector(u)
-    for call in (flat.value, flat.value_and_gradient, flat.control, lambda w: flat.hessian_product(w, x), lambda w: flat.hessian_product(x, w)):
-        call(x)
-        for wrong in (x[None], x[:, None], u, x[:-1]):
-            assert str(n) in raised(ValueError, lambda: call(wrong)), call
-    fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3}).fit()
-    for wrong in (fit.start[None], fit.start[:, None], fit.start[:1]):
-        assert "(2)" in raised(ValueError, lambda: fit.residuals(wrong))
-
-
-def attributes_are_read_only() -> None:
-    """Bounds, lengths, places and data are what later calls compute with: a change in place is refused, and they can be passed on."""
-    problem = half_disc(4, control__lower=-2, control__upper=1).problem()
-    fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3}).fit()
-    for owner, names in ((problem, ("lower", "upper", "times", "lengths", "points", "step_times", "nodes")), (problem.metric, ("weights", "diagonal")),
-                         (fit, ("start", "lower", "upper", "times", "measured", "deviations"))):  # fmt: skip
-        for name in names:
-            assert getattr(owner, name).size > 0
-            assert "read-only" in raised(ValueError, lambda: getattr(owner, name).__imul__(1e3)), name
-    assert problem.value(problem.lower) == problem.value(problem.lower.copy()) and fit.residuals(fit.start).shape == fit.measured.shape
-    assert half_disc(4).problem().lower is None
-
-
-def threads() -> None:
-    """Products, Riesz representatives and the ends of objects in other threads leave gradients as they are."""
-    options = {"control__initial": PUSHED, "objective__desired": {"displacement": ["0", "0"]}}
-    problem = half_disc(4, **options).problem()
-    d, controls = direction(problem), [problem.first_guess() * (1 + 1e-3 * k) for k in range(8)]
-    product, g, expected = problem.metric.product(d, d), problem.metric.apply_inverse(d), [problem.gradient(u) for u in controls]
-    off, rounds, done = [], 0, threading.Event()
-
-    def others() -> None:
-        nonlocal rounds
-        while not done.is_set():
-            off.append(abs(problem.metric.product(d, d) - product) + np.abs(problem.metric.apply_inverse(d) - g).max())
-            other = half_disc(4, **options).problem()
-            other.first_guess(), other.metric.weights, other.sweeps, other.timings  # noqa: B018 - computed, or waited for
-            rounds += 1
-
-    workers = [threading.Thread(target=others) for _ in range(2)]
-    for worker in workers:
-        worker.start()
-    while rounds < 4:
-        found = [problem.gradient(u) for u in controls]
-        assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
-    done.set()
-    for worker in workers:
-        worker.join()
-    assert len(off) > 4 and np.max(off) == 0, off
-
-
-FULL = """
-import resource, signal, sys
-sys.path.insert(0, {folder!r})
-import signorini
-from common import half_disc, raised
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-short = {{"time__step": 2.5e-4, "optimizer__max_iterations": 1}}
-scene, tables = half_disc(4, **short), half_disc(4, **short, output__fields=[])
-calls = [lambda: scene.simulate("motion"), lambda: tables.simulate("motion")]
-if signorini.ranks == 1:
-    stored = half_disc(4, **short, trajectory__storage="disk").problem()
-    calls += [lambda: scene.optimize("search"), lambda: stored.gradient(stored.zero())]
-if signorini.rank == 0:  # which writes the results
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1500, resource.RLIM_INFINITY))
-for call in calls:
-    print(raised(OSError, call))
-"""
-
-
-def full_disk() -> None:
-    """What cannot be written is an OSError; of results, on every rank."""
-    for ranks in (1, 2):
-        with tempfile.TemporaryDirectory() as folder:
-            done = started(FULL.format(folder=str(Path(__file__).parent)), ranks, cwd=folder)
-            assert done.returncode == 0, done.stderr
-            found = done.stdout.splitlines()
-            assert len(found) == 4 and all("written" in line for line in found), found
-            assert not Path(folder, "motion").exists(), "nothing is left half written"
-
-
-def started(script: str, ranks: int = 1, mpi4py: bool = True, **options: object) -> subprocess.CompletedProcess:
-    """Python on a script, in a world of its own. Raises TimeoutExpired where it never ends."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "script.py"
-        file.write_text(script)
-        command = ["mpirun", "--oversubscribe", "-n", str(ranks)] * (ranks > 1) + [sys.executable] + ["-m", "mpi4py"] * mpi4py + [file]
-        return subprocess.run(command, capture_output=True, text=True, timeout=400, env=own_world(), **options)
-
-
-ALONE = """
-import sys
-sys.path.insert(0, {folder!r})
-import numpy as np, signorini
-from common import half_disc
-problem = half_disc(4, time__step=2.5e-4).problem() if {problem} else None
-if signorini.rank == 1:
-    {failure}
-elif problem:
-    problem.value(problem.zero())
-else:
-    signorini.world.wait()
-"""
-
-
-def alone() -> None:
-    """A rank that fails alone ends all, with its message; none waits for it."""
-    for failure, sentence, mpi4py, problem in (
-        ("raise RuntimeError('of rank 1 alone')", "RuntimeError: of rank 1 alone", True, False),
-        ("signorini.read('no-such-folder')", "SceneError", False, False),
-        ("sys.exit('gone from rank 1')", "gone from rank 1", True, True),
-        ("problem.value(np.zeros(3))", "found an array of shape (3)", False, True),
-        ("problem.value(problem.zero())", None, True, True),
-    ):
-        done = started(ALONE.format(folder=str(Path(__file__).parent), failure=failure, problem=problem), 2, mpi4py)
-        if sentence:
-            assert done.returncode != 0 and sentence in done.stderr, (failure, done.returncode, done.stderr)
-        else:
-            assert done.returncode == 0 and done.stderr == "", done.stderr
-
-
-OPTIONS = """
-import ctypes, sys, signorini
-signorini.rank  # starts MPI and PETSc
-name = ctypes.create_string_buffer({name!r}.encode())
-petsc = ctypes.CDLL({petsc!r})
-found = ctypes.c_int(0)
-petsc.PetscOptionsHasName(None, None, name, ctypes.byref(found))
-print(found.value)
-"""
-
-
-def no_petscrc() -> None:
-    """PETSc reads its options from PETSC_OPTIONS, and from no file of the current folder, which could load code."""
-    petsc = next(line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "libpetsc" in line)
-    with tempfile.TemporaryDirectory() as folder:
-        for name in (".petscrc", "petscrc"):
-            (Path(folder) / name).write_text(f"-of_a_file 1\n-log_view :{folder}/written\n")
-        script = OPTIONS.format(name="-of_a_file", petsc=petsc)
-        assert started(script, cwd=folder).stdout.split() == ["0"]
-        assert not (Path(folder) / "written").exists()
-        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=folder, env=own_world() | {"PETSC_OPTIONS": "-of_a_file 1"})
-        assert done.stdout.split() == ["1"], "an option that is given is not seen: the case says nothing"
-
-
-def overrides() -> None:
-    """Values of every kind arrive in the scene."""
-    scene = half_disc(np.float64(3), control__lower=np.array([-2, -3]), output={"fields": [], "every": 7}, control__initial=("0.5*t", "x"),
-                      contact__obstacle__point=[0, -16], optimizer__checkpoint=np.int64(0))  # fmt: skip
-    text = scene.text
-    for line in ("size = 3.0", "every = 7", "lower = [", "0.5*t", "checkpoint = 0", "fields = []"):
-        assert line in text, (line, text)
-    with tempfile.TemporaryDirectory(prefix="ümlaut and \"quote\" ") as folder:
-        copy = Path(folder) / "half-disc.toml"
-        copy.write_text((SCENES / "half-disc.toml").read_text())
-        assert signorini.Scene(copy, {"mesh.file": SCENES.parent / "meshes/half-disc.geo", "mesh.size": 4}).problem().size > 0
-
-
-def interrupts() -> None:
-    """In a process of its own."""
-    done = subprocess.run([sys.executable, "-c", LONG.format(folder=str(Path(__file__).parent))], capture_output=True, text=True, timeout=300,
-                          preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler), env=own_world())  # fmt: skip
-    show(done.stdout)
+def test_interrupts() -> None:
+    done = started("-c", LONG, mpi4py=False, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.splitlines() == ["interrupted"] * 7 + ["after True 1", "run interrupted", "run end of time", "outside"], done.stdout
-
-
-def own_world() -> dict[str, str]:
-    """The environment without what MPI, which this process has started, left in it."""
-    return {key: value for key, value in os.environ.items() if not key.startswith(("PMIX_", "PRTE_MCA_ess", "OMPI_COMM_WORLD"))}
-
-
-interrupts()
-sentences()
-overrides()
-attributes_are_read_only()
-threads()
-full_disk()
-alone()
-no_petscrc()
+    assert done.stdout.splitlines() == ["interrupted"] * 7 + ["after True 1", "run interrupted", "run end of time", "outside"]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line beside its runs: --version, what bash completes, where an option is known, where a run of an echo goes."""
+"""The command line beside its runs: --version, what bash completes, where an option is known, the folder of a run of an echo."""
 
-import importlib.util
 import json
 import os
 import re
@@ -9,11 +8,11 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SIGNORINI, SOURCE, captured, signorini  # noqa: E402
+import pytest
+from harness import BUILD, SIGNORINI, SOURCE, captured, signorini
 
 BLOCK = SOURCE / "tests" / "data" / "block.toml"
 QUICK = ("--set", "mesh.size=0.5", "--set", "time.end=0.04", "--set", "optimizer.max_iterations=1")
@@ -25,125 +24,177 @@ def ok(*words: str, cwd: Path | None = None) -> str:
     return done.stdout
 
 
-def version() -> None:
-    said = ok("--version")
-    assert re.fullmatch(r"signorini \d+\.\d+\S*, dolfinx \S+, petsc \S+, gmsh \S+\n", said), said
-    print(said.strip())
+def test_version() -> None:
+    assert re.fullmatch(r"signorini \d+\.\d+\S*, dolfinx \S+, petsc \S+, gmsh \S+\n", ok("--version"))
 
 
-def temporary_folder(folder: Path) -> None:
-    """One that is not there is made, as by Open MPI; one that cannot be is refused before MPI starts, which would crash, from
-    Python too."""
-    (folder / "file").write_text("")
-    quick = [str(SIGNORINI), "info", str(BLOCK), "--quiet"]
-    for name in ("TMPDIR", "TEMP", "TMP"):
-        own = {key: value for key, value in os.environ.items() if key not in ("TMPDIR", "TEMP", "TMP")}
-        for command, status in ((quick, 2), ([sys.executable, "-c", "import signorini; signorini.rank"], 1)):
-            if status == 1 and (name != "TMPDIR" or not importlib.util.find_spec("signorini")):
-                continue
-            for wrong, why in ((folder / "file" / "below", "Not a directory"), ("/proc", "")):  # /proc: root may write there, and cannot
-                done = subprocess.run(command, env=own | {name: str(wrong)}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-                said = done.stderr.splitlines()
-                assert done.returncode == status, (name, done.returncode, done.stderr)
-                assert f"{name}: found the folder {wrong}, which cannot be written ({why}" in said[-1], done.stderr
-                assert status == 1 or len(said) == 1, done.stderr
-        for usable in (str(folder / f"made for {name}"), ""):
-            done = subprocess.run(quick, env=own | {name: usable}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-            assert done.returncode == 0 and not done.stderr, (name, usable, done.stderr)
-    print("a folder for temporary files that cannot be made is refused")
+# --- A folder for temporary files ---------------------------------------------------------------------------------------
+
+VARIABLES = ("TMPDIR", "TEMP", "TMP")
+INFO = [str(SIGNORINI), "info", str(BLOCK), "--quiet"]
+PYTHON = [sys.executable, "-c", "import signorini; signorini.rank"]
 
 
-def completion(folder: Path) -> None:
-    """By the functions that bash itself would call, for the words as bash splits them."""
+def run_with(name: str, folder: Path | str, command: list[str]) -> subprocess.CompletedProcess:
+    """Runs a command with a folder for temporary files by one variable alone."""
+    own = {key: value for key, value in os.environ.items() if key not in VARIABLES} | {name: str(folder)}
+    own["PYTHONPATH"] = f"{BUILD / 'python'}:{own.get('PYTHONPATH', '')}"
+    return subprocess.run(command, env=own, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+
+
+def refuses(done: subprocess.CompletedProcess, name: str, folder: Path | str, why: str) -> None:
+    assert f"{name}: found the folder {folder}, which cannot be written ({why}" in done.stderr.splitlines()[-1]
+
+
+@pytest.fixture(params=("a file", "/proc"))
+def unusable(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path | str, str]:
+    """A folder that cannot be made, and why. In /proc root may write, and cannot."""
+    if request.param == "/proc":
+        return "/proc", ""
+    (tmp_path / "file").write_text("")
+    return tmp_path / "file" / "below", "Not a directory"
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_temporary_folder_that_cannot_be_made(name: str, unusable: tuple[Path | str, str]) -> None:
+    """It is refused before MPI starts, which would crash."""
+    done = run_with(name, unusable[0], INFO)
+    refuses(done, name, *unusable)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.skipif(not (BUILD / "python" / "signorini").is_dir(), reason="the Python module is not built")
+def test_temporary_folder_that_cannot_be_made_from_python(unusable: tuple[Path | str, str]) -> None:
+    done = run_with("TMPDIR", unusable[0], PYTHON)
+    refuses(done, "TMPDIR", *unusable)
+    assert done.returncode == 1
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+@pytest.mark.parametrize("made", (True, False), ids=("made", "of the system"))
+def test_temporary_folder_is_made(made: bool, name: str, tmp_path: Path) -> None:
+    """As by Open MPI."""
+    done = run_with(name, tmp_path / "made" if made else "", INFO)
+    assert done.returncode == 0 and not done.stderr
+
+
+# --- Help and completion ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def completed(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., set[str]]:
+    """Completes by the function that bash itself would call, for the words as bash splits them."""
+    folder = tmp_path_factory.mktemp("completion")
     script = folder / "completion.bash"
     script.write_text(ok("completion"))
     (folder / "own scene.toml").write_text("")
     (folder / "notes.txt").write_text("")
 
-    def completed(*words: str) -> set[str]:
+    def complete(*words: str) -> set[str]:
         given = " ".join(shlex.quote(word) for word in ("signorini", *words))
-        command = f"source {shlex.quote(str(script))}; COMP_WORDS=({given}); COMP_CWORD={len(words)}; _signorini; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+        command = f"source {shlex.quote(str(script))}; COMP_WORDS=({given}); COMP_CWORD={len(words)}; _signorini; "
+        command += "printf '%s\\n' \"${COMPREPLY[@]}\""
         done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True, cwd=folder)
-        assert not done.stderr, done.stderr
+        assert not done.stderr
         return set(done.stdout.splitlines()) - {""}
 
-    verbs = set(re.findall(r"(?m)^  ([a-z]+) ", ok("--help")))
+    return complete
+
+
+@pytest.fixture(scope="module")
+def verbs() -> set[str]:
+    return set(re.findall(r"(?m)^  ([a-z]+) ", ok("--help")))
+
+
+def test_help_is_a_verb_too() -> None:
     assert ok("help") == ok("--help") and all(ok("help", verb) == ok(verb, "--help") for verb in ("study", "report"))
+
+
+def test_completes_verbs(completed: Callable[..., set[str]], verbs: set[str]) -> None:
     assert {"simulate", "completion"} < verbs and completed("") == verbs | {"--help", "--version"}
     assert completed("op") == {"optimize"} and completed("nonsense") == set()
+
+
+def test_completes_the_options_of_each_verb(completed: Callable[..., set[str]], verbs: set[str]) -> None:
     for verb in verbs:
-        listed = set(re.findall(r"(?m)--[a-z-]+", ok(verb, "--help")))
-        assert completed(verb, "--") == listed, (verb, completed(verb, "--") ^ listed)
+        assert completed(verb, "--") == set(re.findall(r"(?m)--[a-z-]+", ok(verb, "--help"))), verb
     assert "--resume" in completed("optimize", "--") and "--resume" not in completed("simulate", "--")
-    assert completed("simulate", "--set", "mesh.s") == {"mesh.size=", "mesh.scale="}
-    assert completed("simulate", "--set", "solver.vi", "=") == {"condensed", "full"}
-    assert completed("simulate", "--set", "solver.linear", "=", "it") == {"iterative"}
-    assert completed("simulate", "--set", "control.constant_in_time", "=") == {"true", "false"}
-    assert completed("simulate", "--set", "mesh.size", "=") == set()
+
+
+@pytest.mark.parametrize("words, expected", [
+    (("mesh.s",), {"mesh.size=", "mesh.scale="}), (("solver.vi", "="), {"condensed", "full"}),
+    (("solver.linear", "=", "it"), {"iterative"}), (("control.constant_in_time", "="), {"true", "false"}), (("mesh.size", "="), set()),
+])  # fmt: skip
+def test_completes_keys_and_choices(words: tuple[str, ...], expected: set[str], completed: Callable[..., set[str]]) -> None:
+    assert completed("simulate", "--set", *words) == expected
+
+
+def test_completes_scenes(completed: Callable[..., set[str]]) -> None:
     assert completed("simulate", "own") == {"own scene.toml"} and completed("simulate", "no") == set()
     assert "own scene.toml" not in completed("simulate", "a.toml", "--out", "")
-    print(f"bash completes {len(verbs)} verbs, their options, the keys of --set and their choices")
 
 
-def options_where_they_work() -> None:
-    for verb in ("simulate", "check", "info", "study"):
-        assert "--resume" not in ok(verb, "--help")
-        done = captured([str(SIGNORINI), verb, str(BLOCK), "--resume"])
-        assert done.returncode == 2 and f"--resume: {verb} writes no checkpoints; use it with optimize" in done.stderr, done.stderr
+@pytest.mark.parametrize("verb", ("simulate", "check", "info", "study"))
+def test_resume_is_an_option_of_optimize_alone(verb: str) -> None:
+    assert "--resume" not in ok(verb, "--help")
+    done = captured([str(SIGNORINI), verb, str(BLOCK), "--resume"])
+    assert done.returncode == 2 and f"--resume: {verb} writes no checkpoints; use it with optimize" in done.stderr
+
+
+def test_misspelt_option_names_those_of_the_verb() -> None:
     done = captured([str(SIGNORINI), "optimize", str(BLOCK), "--replac"])
-    assert done.returncode == 2 and "--replace" not in done.stderr and "--resume" in done.stderr, done.stderr
-    print("--resume is an option of optimize alone")
+    assert done.returncode == 2 and "--replace" not in done.stderr and "--resume" in done.stderr
 
 
-def how_to_go_on(folder: Path) -> None:
-    for checkpoint, told in ((10, True), (0, False)):
-        done = signorini("optimize", BLOCK, folder / "stopped", mesh__size=0.5, optimizer__max_iterations=1, optimizer__checkpoint=checkpoint)
-        line = next(line for line in done.stdout.splitlines() if line.startswith("stopped: iteration limit"))
-        assert ("--resume" in line) == told, line
-    print("a search that stopped before its end says how to go on")
+# --- Runs ---------------------------------------------------------------------------------------------------------------
 
 
-def echo_goes_home(folder: Path) -> None:
-    """A run of the scene.toml that a run left goes to the same folder, under its name; other scenes of that name do not."""
-    place = folder / "elsewhere"
-    place.mkdir()
-    scene = place / "block.toml"
+@pytest.mark.parametrize("checkpoint", (10, 0))
+def test_stopped_search_says_how_to_resume(checkpoint: int, tmp_path: Path) -> None:
+    """If it wrote a checkpoint."""
+    done = signorini("optimize", BLOCK, tmp_path, mesh__size=0.5, optimizer__max_iterations=1, optimizer__checkpoint=checkpoint)
+    line = next(line for line in done.stdout.splitlines() if line.startswith("stopped: iteration limit"))
+    assert ("--resume" in line) == (checkpoint > 0)
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """A folder with block.toml and its run in results/block."""
+    scene = tmp_path / "block.toml"
     scene.write_text(BLOCK.read_text().replace('"square.geo"', f'"{SOURCE / "tests" / "data" / "square.geo"}"'))
-    ok("simulate", "block.toml", *QUICK, cwd=place)
+    ok("simulate", "block.toml", *QUICK, cwd=tmp_path)
+    assert json.loads((tmp_path / "results" / "block" / "run.json").read_text())["scene"] == "block"
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "scene, cwd", (("results/block/scene.toml", "."), ("./scene.toml", "results/block"), ("block/scene.toml", "results"))
+)
+def test_run_of_an_echo_goes_to_its_own_folder(scene: str, cwd: str, place: Path) -> None:
+    """Under its name."""
     home = place / "results" / "block"
-    assert json.loads((home / "run.json").read_text())["scene"] == "block"
-    for words, cwd in ((("results/block/scene.toml",), place), (("./scene.toml",), home), (("block/scene.toml",), home.parent)):
-        (home / "steps.csv").unlink()
-        ok("simulate", *words, cwd=cwd)
-        assert (home / "steps.csv").exists() and json.loads((home / "run.json").read_text())["scene"] == "block"
-    assert {path.name for path in (place / "results").iterdir()} == {"block"} and not (home / "results").exists()
-    shutil.copy(scene, place / "scene.toml")
+    (home / "steps.csv").unlink()
+    ok("simulate", scene, cwd=place / cwd)
+    assert (home / "steps.csv").exists() and json.loads((home / "run.json").read_text())["scene"] == "block"
+    assert [path.name for path in (place / "results").iterdir()] == ["block"] and not (home / "results").exists()
+
+
+def test_other_scenes_of_that_name_have_results_of_their_own(place: Path) -> None:
+    shutil.copy(place / "block.toml", place / "scene.toml")
     ok("simulate", "scene.toml", *QUICK, cwd=place)
     assert (place / "results" / "scene" / "run.json").exists()
-    (home / "scene.toml").write_text("# edited\n" + (home / "scene.toml").read_text())
-    done = captured([str(SIGNORINI), "simulate", str(home / "scene.toml")], cwd=place)
-    assert done.returncode == 2 and "its own scene file" in done.stderr, done.stderr
-    print("the echo of a run is run again in its own folder")
 
 
-def missing_package(folder: Path) -> None:
-    """A Python without a package that pages need is told so, and which."""
-    (folder / "h5py.py").write_text('raise ModuleNotFoundError("gone", name="h5py")\n')
-    done = subprocess.run([SIGNORINI, "report", folder], env=os.environ | {"PYTHONPATH": str(folder)}, capture_output=True, text=True)
-    assert done.returncode == 2 and done.stderr.startswith("signorini report: found no Python package h5py ("), done.stderr
+def test_edited_echo_is_not_replaced(place: Path) -> None:
+    echo = place / "results" / "block" / "scene.toml"
+    echo.write_text("# edited\n" + echo.read_text())
+    done = captured([str(SIGNORINI), "simulate", str(echo)], cwd=place)
+    assert done.returncode == 2 and "its own scene file" in done.stderr
+
+
+def test_missing_package_is_named(tmp_path: Path) -> None:
+    """By report, in one line."""
+    (tmp_path / "h5py.py").write_text('raise ModuleNotFoundError("gone", name="h5py")\n')
+    done = subprocess.run([SIGNORINI, "report", tmp_path], env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.startswith("signorini report: found no Python package h5py (")
     assert len(done.stderr.splitlines()) == 1
-    print("a package that is missing is named")
-
-
-def main() -> int:
-    version()
-    options_where_they_work()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name).resolve()
-        for part in (completion, temporary_folder, how_to_go_on, echo_goes_home, missing_package):
-            part(folder)
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """No comparison of a Python test lets nan pass or has a tolerance that it does not state.
 
-    comparisons.py SOURCE
-
-Python's max and min drop nan (max(0, nan) is 0), numpy's do not; numpy's default rtol of 1e-5 and atol of 1e-8 add to what is stated.
+Python's max and min drop nan (max(0, nan) is 0), numpy's do not; numpy's default rtol of 1e-5 and atol of 1e-8 add to what is stated,
+and pytest.approx without a tolerance has a relative one of 1e-6.
 """
 
 import ast
-import sys
-from pathlib import Path
 
+import pytest
+from harness import SOURCE
+
+TESTS = SOURCE / "tests"
 OWN = {"max", "min"}  # with a key they pick an object, which numpy's do not
 CLOSE = {"allclose": 4, "isclose": 4}  # positional arguments that state all tolerances
 
@@ -26,20 +27,25 @@ def complaints(text: str, name: str) -> list[str]:
         if called in CLOSE and len(node.args) < CLOSE[called]:
             found += [f"{name}:{node.lineno}: {called}() without {missing}: its default adds to the tolerance"
                       for missing in ("rtol", "atol") if missing not in stated]  # fmt: skip
+        if called == "approx" and len(node.args) < 2 and not stated & {"rel", "abs", None}:  # None: by **
+            found.append(f"{name}:{node.lineno}: approx() without rel or abs: its default is the tolerance")
     return found
 
 
-def main() -> int:
-    tests = Path(sys.argv[1]).resolve() / "tests"
-    for text, count in (("max(0, x)", 1), ("min(f(y) for y in x)", 1), ("max(x, key=len)", 0), ("np.max(x)", 0), ("x.max()", 0),
-                        ("np.allclose(a, b)", 2), ("np.isclose(a, b, rtol=1e-9)", 1), ("np.allclose(a, b, rtol=0, atol=1)", 0)):  # fmt: skip
-        assert len(complaints(text, "example")) == count, f"{text}: the rule does not see it"
-    files = sorted(tests.rglob("*.py"))
-    found = [one for file in files for one in complaints(file.read_text(), file.relative_to(tests).as_posix())]
-    print("\n".join(found) or f"{len(files)} scripts: every comparison sees nan and states its tolerance")
-    assert len(files) > 80, "hardly anything was looked at"
-    return 1 if found else 0
+EXAMPLES = {
+    "max(0, x)": 1, "min(f(y) for y in x)": 1, "max(x, key=len)": 0, "np.max(x)": 0, "x.max()": 0, "np.allclose(a, b)": 2,
+    "np.isclose(a, b, rtol=1e-9)": 1, "np.allclose(a, b, rtol=0, atol=1)": 0, "pytest.approx(a)": 1, "approx(a, abs=1)": 0,
+    "approx(a, **b)": 0,
+}  # fmt: skip
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("text", EXAMPLES)
+def test_rule(text: str) -> None:
+    assert len(complaints(text, "example")) == EXAMPLES[text]
+
+
+def test_all_scripts() -> None:
+    files = sorted(TESTS.rglob("*.py"))
+    found = [one for file in files for one in complaints(file.read_text(), file.relative_to(TESTS).as_posix())]
+    assert len(files) > 80, "hardly anything was read"
+    assert not found, "\n".join(found)

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/reference/definitions.md is what the program does: each statement that a number can tell is told by one.
+"""The statements of docs/reference/definitions.md that a number can show: each test is named for its statement."""
 
-    definitions.py SIGNORINI SOURCE
-"""
-
+import functools
+import itertools
 import json
-import sys
-import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from harness import SOURCE, signorini, stored, table  # noqa: E402
-from studies import study  # noqa: E402
+import pytest
+from harness import SOURCE, signorini, stored, table
+from studies import study
 
 SQUARE = f"""
 [mesh]
@@ -37,99 +34,291 @@ obstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }
 [initial]
 velocity = ["0", "-1"]
 """
-TAU = 0.1
-failures = 0
+CONTROL = '[control]\nscale = 1.0\ninitial = ["0", "t^2"]\n'
+TRACKED = '[objective]\ndesired = { displacement = ["0", "t"] }\n[optimizer]\nmax_iterations = 0\n'
+TAU, TIMES = 0.1, 0.1 * np.arange(6)
+exactly = functools.partial(pytest.approx, rel=1e-9, abs=1e-12)
+Runner = Callable[..., Path]  # to the folder of a run
 
 
-def check(statement: str, found: object, expected: object) -> None:
-    global failures
-    if np.shape(found) != np.shape(expected) or not np.allclose(found, expected, rtol=1e-9, atol=1e-12):
-        failures += 1
-        print(f"FAIL  {statement}: found {found}, expected {expected}", flush=True)
-    else:
-        print(f"ok    {statement}", flush=True)
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Runner:
+    """Runs the square with more tables; returns the folder."""
+    folder, numbers = tmp_path_factory.mktemp("runs"), itertools.count()
 
-
-class Runs:
-    def __init__(self, folder: Path):
-        self.folder, self.number = folder, 0
-
-    def __call__(self, text: str, verb: str = "simulate", **overrides: object) -> Path:
-        self.number += 1
-        scene = self.folder / f"{self.number}.toml"
+    def made(text: str, verb: str = "simulate", **overrides: object) -> Path:
+        out = folder / str(next(numbers))
+        scene = out.with_suffix(".toml")
         scene.write_text(SQUARE + text)
-        out = self.folder / str(self.number)
         signorini(verb, scene, out, **overrides)
         return out
+
+    return made
 
 
 def manifest(out: Path) -> dict:
     return json.loads((out / "run.json").read_text())
 
 
-def acts_in_time(run: Runs, folder: Path) -> None:
-    """Time series and moving clamps."""
-    (folder / "series.csv").write_text("time,push\n0,0\n0.15,3\n0.5,-1\n")
-    series = run(f'[load]\nbody = ["0", {{ file = "{folder}/series.csv", column = "push" }}]\n')
+def momentum(out: Path) -> np.ndarray:
+    return table(out / "probes.csv")["body.momentum_y"]
+
+
+# --- Time -------------------------------------------------------------------------------------------------------------
+
+
+FORCES = {"load": '[load]\nbody = ["0", "t^2"]', "gravity": '[load]\ngravity = ["0", "t^2"]', "control": CONTROL}
+
+
+@pytest.mark.parametrize("text", FORCES.values(), ids=FORCES)
+def test_exact_impulse_in_a_step(run: Runner, text: str) -> None:
+    assert momentum(run(text)) == exactly(TIMES**3 / 3)
+
+
+def test_control_with_intervals_of_its_own(run: Runner) -> None:
+    """It is the mean over each interval, a step's the mean of what it overlaps."""
+    means = np.diff([0, 0.25**3, 0.5**3]) / 3 / 0.25  # of two intervals, which meet in the middle of the third step
+    assert momentum(run(CONTROL + "step = 0.25\n")) == exactly(TAU * np.cumsum([0, means[0], means[0], means.mean(), means[1], means[1]]))
+
+
+def test_desired_displacement_at_the_end_of_a_step(run: Runner) -> None:
+    assert table(run("[control]\nscale = 1.0\n" + TRACKED, "optimize") / "steps.csv")["tracking_error"] == exactly(TIMES)
+
+
+def test_time_series_is_linear_between_its_times(run: Runner, tmp_path: Path) -> None:
+    """And gives its exact impulse."""
+    (tmp_path / "series.csv").write_text("time,push\n0,0\n0.15,3\n0.5,-1\n")
+    series = run(f'[load]\nbody = ["0", {{ file = "{tmp_path}/series.csv", column = "push" }}]\n')
     fine = np.linspace(0, 0.5, 1001)  # so that trapezoids are exact: 0.15 is among them
     push = np.interp(fine, [0, 0.15, 0.5], [0, 3, -1])
-    impulse = np.concatenate([[0], np.cumsum((push[1:] + push[:-1]) / 2 * np.diff(fine))])[::200]
-    check("a time series is linear between its times, and gives its exact impulse", table(series / "probes.csv")["body.momentum_y"], impulse)
-    moved = run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n[[output.probe]]\nname = "left"\non = "left"\n')
-    t, probes = TAU * np.arange(6), table(moved / "probes.csv")
-    check("a clamp has its value at the end of a step", probes["left.displacement_x"], 0.01 * t**2)
-    check("and its derivative", probes["left.velocity_x"], 0.02 * t)
+    assert momentum(series) == exactly(np.concatenate([[0], np.cumsum((push[1:] + push[:-1]) / 2 * np.diff(fine))])[::200])
 
 
-def active_and_weak(run: Runs) -> None:
-    stands = CONTACT.split("[initial]")[0].replace("-0.1", "0")
-    for load, weak in (("0", 11), ("-1", 0)):
-        steps = table(run(stands + f'[load]\nbody = ["0", "{load}"]\n', time__scheme="contact-stabilized") / "steps.csv")
-        what = "without a force" if weak else "under its weight"
-        check(f"of a body that stands {what} all candidates are active, {weak} of them weak",
-              [steps["active"][1:].tolist(), steps["weak"][1:].tolist()], [[11] * 5, [weak] * 5])  # fmt: skip
+def test_clamp_has_its_value_and_derivative_at_the_end_of_a_step(run: Runner) -> None:
+    probes = table(run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n[[output.probe]]\nname = "left"\non = "left"\n') / "probes.csv")
+    assert probes["left.displacement_x"] == exactly(0.01 * TIMES**2)
+    assert probes["left.velocity_x"] == exactly(0.02 * TIMES)
 
 
-def gradient_norms(run: Runs) -> None:
-    """By the adjoint state that is stored, in L2(0,T; L2); with bounds, by the lumped mass matrix, that which does not point out of them."""
+# --- Space ------------------------------------------------------------------------------------------------------------
+
+
+def test_expressions_are_interpolated_at_the_nodes(run: Runner) -> None:
+    zero = run('[load]\ntraction = [ { on = "bottom", value = ["0", "sin(10*pi*x)^2"] } ]')  # 0 at the nodes, every 0.1 m
+    assert momentum(zero) == exactly(np.zeros(6))
+
+
+@pytest.mark.parametrize("degree, candidates", ((1, 11), (2, 21)))
+def test_candidates_include_the_middles_of_edges(run: Runner, degree: int, candidates: int) -> None:
+    assert manifest(run(CONTACT, mesh__degree=degree))["candidates"] == candidates
+
+
+def test_clamped_node_is_no_candidate(run: Runner) -> None:
+    text = CONTACT.replace("[initial]", '[[clamp]]\non = "left"\n[initial]').replace('"-1"', '"-x"')
+    assert manifest(run(text))["candidates"] == 10
+
+
+def test_node_clamped_in_other_directions_alone_is_a_candidate(run: Runner) -> None:
+    text = CONTACT.replace("[initial]", '[[clamp]]\non = "left"\ncomponents = ["x"]\n[initial]')
+    assert manifest(run(text))["candidates"] == 11
+
+
+@pytest.mark.parametrize("space", ("nodal", "cellwise"))
+def test_control_has_values_at_the_nodes_or_in_the_cells(run: Runner, space: str) -> None:
+    out = run(CONTROL + TRACKED, "optimize", control__space=space, mesh__degree=2)
+    points, _, control = stored(out, "control", "control")
+    assert control.shape[1] == (len(points) if space == "nodal" else manifest(out)["cells"])
+
+
+# --- Contact and energy -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def hit(run: Runner) -> Path:
+    out = run(CONTACT, time__step=5e-3)
+    assert table(out / "steps.csv")["contact_force_y"].max() > 1, "the body did not hit"
+    return out
+
+
+def test_force_is_that_on_the_body(hit: Path) -> None:
+    assert (table(hit / "steps.csv")["contact_force_y"] >= 0).all() and (table(hit / "contact.csv")["normal_y"] == 1).all()
+
+
+def test_sum_of_step_times_force_is_the_impulse(hit: Path) -> None:
+    assert 5e-3 * table(hit / "obstacles.csv")["force_y"].sum() == exactly(momentum(hit)[-1] - momentum(hit)[0])
+
+
+def test_energy_law_of_a_step(hit: Path) -> None:
+    steps = table(hit / "steps.csv")
+    energy = steps["kinetic_energy"] + steps["elastic_energy"]
+    works = steps["external_work"] + steps["contact_work"] - steps["viscous_dissipation"]
+    assert np.diff(energy) - works[1:] == exactly(np.zeros(100))
+
+
+def test_contact_never_does_work(hit: Path) -> None:
+    assert (table(hit / "steps.csv")["contact_work"] <= 1e-12).all()
+
+
+def test_external_work_includes_that_of_clamps_and_load_work_does_not(run: Runner) -> None:
+    steps = table(run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n') / "steps.csv")
+    energy = steps["kinetic_energy"] + steps["elastic_energy"]
+    assert energy[-1] > 0
+    assert steps["external_work"].sum() == exactly(energy[-1] - energy[0])
+    assert steps["load_work"] == exactly(np.zeros(6))
+
+
+@pytest.mark.parametrize("load, weak", (("0", 11), ("-1", 0)), ids=("without a force", "under its weight"))
+def test_candidates_of_a_standing_body_are_active(run: Runner, load: str, weak: int) -> None:
+    """Weak are those without a force."""
+    text = CONTACT.split("[initial]")[0].replace("-0.1", "0") + f'[load]\nbody = ["0", "{load}"]\n'
+    steps = table(run(text, time__scheme="contact-stabilized") / "steps.csv")
+    assert steps["active"][1:].tolist() == [11] * 5 and steps["weak"][1:].tolist() == [weak] * 5
+
+
+# --- Searches and studies ---------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def found(run: Runner) -> Path:
+    """A search with contact and bounds."""
+    return run(CONTACT + '[control]\nscale = 1.0\nlower = -2.0\nupper = 2.0\n[objective]\ndesired = { control = ["0", "-2"] }\n'
+               'alpha = 1e-2\ngamma = 1e-2\n[optimizer]\nmax_iterations = 5\n', "optimize", time__step=5e-3)  # fmt: skip
+
+
+def test_steps_of_a_search_belong_to_the_last_iterate(found: Path) -> None:
+    """The end state counts without a half."""
+    error, J = table(found / "steps.csv")["tracking_error"] ** 2, manifest(found)["objective"]
+    assert 5e-3 / 4 * (error[1:] + error[:-1]).sum() == exactly(J["tracking"])
+    assert 1e-2 * error[-1] == exactly(J["terminal"])
+    assert table(found / "history.csv")["objective"][-1] == exactly(J["value"])
+
+
+def test_sweeps_are_those_of_the_search(found: Path) -> None:
+    history, search = table(found / "history.csv"), manifest(found)["optimizer"]
+    assert history["forward_sweeps"][-1] > history["adjoint_sweeps"][-1] > 5
+    for here, there in (("iterations", "iteration"), ("forward_sweeps", "forward_sweeps"), ("adjoint_sweeps", "adjoint_sweeps")):
+        assert search[here] == history[there][-1]
+
+
+@pytest.mark.parametrize("initial, bounds", (((0.1, -0.2), ""), ((0, 0), "lower = 0\nupper = 1e3\n")), ids=("no bounds", "bounds"))
+def test_gradient_norm(run: Runner, initial: tuple[float, float], bounds: str) -> None:
+    """The norm in L2(0,T; L2), by the stored adjoint state; with bounds, by the lumped mass matrix, of what does not point out of them."""
     alpha, scale = 0.3, 2.0
-    text = f'[control]\nscale = {scale}\ninitial = INITIAL\nBOUNDS[objective]\ndesired = {{ displacement = ["(sin(3*y) - 0.5)*t", "-x*t"] }}\n' \
-           f"alpha = {alpha}\n[optimizer]\nmax_iterations = 0\n"  # fmt: skip
-    for initial, bounds in (((0.1, -0.2), ""), ((0, 0), "lower = 0\nupper = 1e3\n")):
-        out = run(text.replace("BOUNDS", bounds).replace("INITIAL", str([str(part) for part in initial])), "optimize", time__end=0.4)
-        points, cells, p = stored(out, "adjoint", "adjoint")
-        g = alpha * np.array(initial) + TAU * scale / 2 * p[..., :2]
-        sides = points[cells[:, 1:], :2] - points[cells[:, :1], :2]
-        area = abs(np.linalg.det(sides)) / 2
-        mass = np.zeros((len(points), len(points)))
-        for i in range(3):
-            for j in range(3):
-                np.add.at(mass, (cells[:, i], cells[:, j]), area / 12 * (1 + (i == j)))
-        if bounds:  # the control is at the lower ones
-            assert (g > 0).any() and (g < 0).any(), "all gradients point the same way"
-            lumped = mass.sum(axis=1)
-            g, mass = np.minimum(np.einsum("ij,kjc->kic", mass / lumped[:, None], g), 0), np.diag(lumped)
-        norm = np.sqrt(TAU * np.einsum("kic,ij,kjc->", g, mass, g))
-        check(f"gradient_norm {'with' if bounds else 'without'} bounds", table(out / "history.csv")["gradient_norm"][0], norm)
+    text = f"[control]\nscale = {scale}\ninitial = {[str(part) for part in initial]}\n{bounds}[objective]\nalpha = {alpha}\n" \
+           'desired = { displacement = ["(sin(3*y) - 0.5)*t", "-x*t"] }\n[optimizer]\nmax_iterations = 0\n'  # fmt: skip
+    out = run(text, "optimize", time__end=0.4)
+    points, cells, p = stored(out, "adjoint", "adjoint")
+    g = alpha * np.array(initial) + TAU * scale / 2 * p[..., :2]
+    sides = points[cells[:, 1:], :2] - points[cells[:, :1], :2]
+    area = abs(np.linalg.det(sides)) / 2
+    mass = np.zeros((len(points), len(points)))
+    for i, j in itertools.product(range(3), repeat=2):
+        np.add.at(mass, (cells[:, i], cells[:, j]), area / 12 * (1 + (i == j)))
+    if bounds:  # the control is at the lower ones
+        assert (g > 0).any() and (g < 0).any(), "all gradients have the same sign"
+        lumped = mass.sum(axis=1)
+        g, mass = np.minimum(np.einsum("ij,kjc->kic", mass / lumped[:, None], g), 0), np.diag(lumped)
+    assert table(out / "history.csv")["gradient_norm"][0] == exactly(np.sqrt(TAU * np.einsum("kic,ij,kjc->", g, mass, g)))
 
 
-def studies(run: Runs) -> None:
-    """Against statements that are wrong by a known part, and against the finest rung."""
-    def rows(name: str, text: str, *options: str) -> dict[str, np.ndarray]:
-        scene = run.folder / f"study-{name}.toml"
-        scene.write_text(SQUARE + text)
-        study(scene, run.folder / f"study-{name}", "--sizes", "0.25", *options)
-        return table(run.folder / f"study-{name}" / "study.csv")
-
-    flight = rows("flight", CONTACT.replace("-0.1", "-9") + '[exact]\ndisplacement = ["0", "-1.25*t"]\n', "--steps", "0.1", "--quantity", "displacement")
-    check("the error of a field is relative to its norm", flight["displacement_error"], [0.2])
-    hit = rows("hit", CONTACT.replace("-0.1", "-0.12") + "[exact]\nimpulse = 2\n", "--steps", "0.05,0.0125", "--quantity", "impulse,energy_loss")
-    assert np.min(hit["impulse"]) > 0 and np.ptp(hit["energy_loss"]) > 1e-3, hit
-    check("that of a number to its value", hit["impulse_error"], abs(hit["impulse"] / 2 - 1))
-    check("that of energy_loss is a plain difference", hit["energy_loss_error"], hit["energy_loss"])  # exact: none
+def rows(folder: Path, text: str, *options: str) -> dict[str, np.ndarray]:
+    """study.csv of the square with more tables."""
+    (folder / "scene.toml").write_text(SQUARE + text)
+    study(folder / "scene.toml", folder / "study", "--sizes", "0.25", *options)
+    return table(folder / "study" / "study.csv")
 
 
-def intervals_of_contact(out: Path, length: float) -> list[list[float]]:
+def test_error_of_a_field_is_relative_to_its_norm(tmp_path: Path) -> None:
+    """Against a displacement that is wrong by a known part."""
+    flight = CONTACT.replace("-0.1", "-9") + '[exact]\ndisplacement = ["0", "-1.25*t"]\n'
+    assert rows(tmp_path, flight, "--steps", "0.1", "--quantity", "displacement")["displacement_error"] == exactly(np.array([0.2]))
+
+
+def test_error_of_a_number_is_relative_to_its_value(tmp_path: Path) -> None:
+    """The error of energy_loss, of which none is exact, is a plain difference."""
+    text = CONTACT.replace("-0.1", "-0.12") + "[exact]\nimpulse = 2\n"
+    found = rows(tmp_path, text, "--steps", "0.05,0.0125", "--quantity", "impulse,energy_loss")
+    assert np.min(found["impulse"]) > 0 and np.ptp(found["energy_loss"]) > 1e-3
+    assert found["impulse_error"] == exactly(abs(found["impulse"] / 2 - 1))
+    assert found["energy_loss_error"] == exactly(found["energy_loss"])
+
+
+# --- Fits -------------------------------------------------------------------------------------------------------------
+
+LENGTH = 0.011  # of a step: the block, 0.1 m above and with 1 m/s, touches within one
+MEASURED = """
+[[unknown]]
+of = "young"
+start = 1.1e3
+scale = "{scale}"
+[[measurement]]
+of = "force"
+component = "y"
+file = "{file}"
+deviation = {deviation}
+[[measurement]]
+of = "contact-start"
+value = 0.1
+deviation = 1e-3
+[[measurement]]
+of = "contact-time"
+value = 0.06
+"""
+
+
+@pytest.fixture(scope="module", params=("contact-implicit", "contact-stabilized"))
+def scheme(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def fit(scheme: str, run: Runner, tmp_path_factory: pytest.TempPathFactory) -> Runner:
+    """Fits by forces at the ends and in the middle of steps, and by contact times."""
+    file, ends = tmp_path_factory.mktemp("data") / "force.csv", LENGTH * np.arange(1, 25)
+    file.write_text("time,value\n" + "".join(f"{t!r},{10.0 * k}\n" for k, t in enumerate(np.sort([*ends, *(ends - LENGTH / 2)]).tolist())))
+
+    @functools.cache
+    def made(scale: str = "log", deviation: str = "2.0") -> Path:
+        text = CONTACT + MEASURED.format(scale=scale, deviation=deviation, file=file)
+        out = run(text, "optimize", optimizer__max_iterations=0, mesh__size=0.5, material__poisson=0.0,
+                  time__scheme=scheme, time__step=LENGTH, time__end=25 * LENGTH)  # fmt: skip
+        assert table(out / "obstacles.csv")["force_y"].max() > 10, "the body did not hit"
+        return out
+
+    return made
+
+
+def test_measured_force_is_linear_between_steps(fit: Runner, scheme: str) -> None:
+    """In the middle of step k it is F_k; of contact-implicit steps the mean of F_k and F_{k+1} at t_k."""
+    data, force = table(fit() / "measurements.csv")["simulated"], table(fit() / "obstacles.csv")["force_y"]
+    means = (force[1:-1] + force[2:]) / 2
+    assert data[1::2] == exactly(means)
+    if scheme == "contact-stabilized":
+        assert data[::2] == exactly(force[1:-1])
+    else:
+        assert data[2::2] == exactly((means[1:] + means[:-1]) / 2)
+
+
+def test_residual_is_in_standard_deviations(fit: Runner) -> None:
+    data = table(fit() / "measurements.csv")
+    assert data["residual"] == exactly((data["simulated"] - data["value"]) / 2)
+
+
+def test_misfit_is_the_root_mean_square_of_residuals(fit: Runner) -> None:
+    """Smaller where deviations are larger."""
+    square = np.mean(table(fit() / "measurements.csv")["residual"] ** 2)
+    misfits = [manifest(out)["fit"]["misfit"] for out in (fit(), fit(deviation="4.0"))]
+    assert misfits == exactly([np.sqrt(square), np.sqrt(square) / 2])
+
+
+@pytest.mark.parametrize("name", ("standard_deviation", "gradient"))
+def test_unit_of_the_unknown_on_a_logarithmic_scale_too(fit: Runner, name: str) -> None:
+    on_log, on_linear = (table(out / "parameters.csv")[name][0] for out in (fit(), fit("linear")))
+    assert name == "gradient" or on_log > 0
+    assert on_log / on_linear == exactly(1)
+
+
+def intervals_of_contact(out: Path) -> list[list[float]]:
     """Begin and end of each interval of contact within the steps, by gaps continued linearly, from contact.csv."""
     contact = table(out / "contact.csv")
     times = np.unique(contact["time"])
@@ -143,131 +332,24 @@ def intervals_of_contact(out: Path, length: float) -> list[list[float]]:
 
     for k in range(2, len(times)):
         if touching[k] and not touching[k - 1]:
-            found.append([times[k - 1] + length * crossing(*(gaps[k - i][forces[k] > 0] for i in (1, 2))), times[k]])
+            found.append([times[k - 1] + LENGTH * crossing(*(gaps[k - i][forces[k] > 0] for i in (1, 2))), times[k]])
         elif touching[k]:
             found[-1][1] = times[k]
         elif touching[k - 1] and k + 1 < len(times):
-            found[-1][1] = times[k] - length * crossing(*(gaps[k + i][forces[k - 1] > 0] for i in (0, 1)))
+            found[-1][1] = times[k] - LENGTH * crossing(*(gaps[k + i][forces[k - 1] > 0] for i in (0, 1)))
     assert found and not touching[-2:].any()
     return found
 
 
-def fits(run: Runs) -> None:
-    """The statements on fits and on contact times within a step."""
-    length = 0.011  # the block, 0.1 m above and with 1 m/s, touches within a step
-    motion = {"time__step": length, "time__end": 25 * length, "mesh__size": 0.5, "material__poisson": 0.0}
-    ends = length * np.arange(1, 25)
-    (run.folder / "force.csv").write_text("time,value\n" + "".join(f"{t!r},{10.0 * k}\n" for k, t in enumerate(np.sort([*ends, *(ends - length / 2)]).tolist())))
-    unknown = '[[unknown]]\nof = "young"\nstart = 1.1e3\nscale = "SCALE"\n'
-    force = f'[[measurement]]\nof = "force"\ncomponent = "y"\nfile = "{run.folder / "force.csv"}"\ndeviation = DEVIATION\n'
-    touch = '[[measurement]]\nof = "contact-start"\nvalue = 0.1\ndeviation = 1e-3\n[[measurement]]\nof = "contact-time"\nvalue = 0.06\n'
-    outs = {}
-    for scheme in ("contact-implicit", "contact-stabilized"):
-        for scale, deviation in (("log", "2.0"), ("log", "4.0"), ("linear", "2.0")):
-            text = CONTACT + unknown.replace("SCALE", scale) + force.replace("DEVIATION", deviation) + touch
-            outs[scheme, scale, deviation] = run(text, "optimize", optimizer__max_iterations=0, time__scheme=scheme, **motion)
-        out = outs[scheme, "log", "2.0"]
-        data, F = table(out / "measurements.csv"), table(out / "obstacles.csv")["force_y"]
-        assert F.max() > 10, "the body did not hit"
-        at_ends, in_the_middle = data["simulated"][1::2], data["simulated"][::2]
-        means = (F[1:-1] + F[2:]) / 2
-        if scheme == "contact-stabilized":
-            check("a measured force is F_k in the middle of step k", in_the_middle, F[1:-1])
-            check("and linear between", at_ends, means)
-        else:
-            check("of contact-implicit steps it is the mean of F_k and F_{k+1} at t_k", at_ends, means)
-            check("and linear between, too", in_the_middle[1:], (means[1:] + means[:-1]) / 2)
-        residual = data["residual"]
-        check("a residual is in standard deviations", residual, (data["simulated"] - data["value"]) / 2)
-        misfits = [manifest(outs[scheme, "log", deviation])["fit"]["misfit"] for deviation in ("2.0", "4.0")]
-        check("misfit is their root mean square, smaller where deviations are larger", misfits, np.sqrt(np.mean(residual**2)) * np.array([1, 0.5]))
-        found = [[table(outs[scheme, *which] / "parameters.csv")[name][0] for name in ("standard_deviation", "gradient")]
-                 for which in (("log", "2.0"), ("linear", "2.0"))]  # fmt: skip
-        assert found[0][0] > 0
-        check("deviations are told in the unknown's unit on a logarithmic scale too, and gradients", np.divide(*found), [1, 1])
-        times = {one["name"]: one for one in manifest(out)["fit"]["contact_times"]}
-        start, lasting = (one["simulated"] for one in times.values())
-        intervals = intervals_of_contact(out, length)
-        check("measured contact times are told within a step, by gaps continued linearly", [start, lasting],
-              [intervals[0][0], sum(end - begin for begin, end in intervals)])  # fmt: skip
-        check("a free fall touches when it does", start, 0.1)
-        impact, steps = manifest(out)["impact"]["all"], np.flatnonzero(F > 0)
-        check("in impact contact begins at the begin of the first step with a force and ends at the end of the last one",
-              [impact["start"], impact["end"]], [(steps[0] - 1) * length, steps[-1] * length])  # fmt: skip
+def test_measured_contact_times_are_within_a_step(fit: Runner) -> None:
+    """Gaps are continued linearly; a free fall touches when it does."""
+    start, lasting = (one["simulated"] for one in {one["name"]: one for one in manifest(fit())["fit"]["contact_times"]}.values())
+    intervals = intervals_of_contact(fit())
+    assert [start, lasting] == exactly([intervals[0][0], sum(end - begin for begin, end in intervals)])
+    assert start == exactly(0.1)
 
 
-def main() -> int:
-    with tempfile.TemporaryDirectory() as scratch:
-        run = Runs(Path(scratch))
-        sums = (TAU * np.arange(6)) ** 3 / 3
-        momentum = lambda out: table(out / "probes.csv")["body.momentum_y"]  # noqa: E731
-        check("a load gives its exact impulse in a step", momentum(run('[load]\nbody = ["0", "t^2"]')), sums)
-        check("gravity too", momentum(run('[load]\ngravity = ["0", "t^2"]')), sums)
-        tracked = '[objective]\ndesired = { displacement = ["0", "t"] }\n[optimizer]\nmax_iterations = 0\n'
-        control = '[control]\nscale = 1.0\ninitial = ["0", "t^2"]\n'
-        check("a control too", momentum(run(control)), sums)
-        wide = run(control + "step = 0.25\n")  # two intervals, which meet in the middle of the third step
-        means = np.diff([0, 0.25**3, 0.5**3]) / 3 / 0.25
-        check("with intervals of its own it is the mean over each, a step's the mean of what it overlaps",
-              momentum(wide), TAU * np.cumsum([0, means[0], means[0], means.mean(), means[1], means[1]]))  # fmt: skip
-        desired = run('[control]\nscale = 1.0\n' + tracked, "optimize")
-        check("a desired displacement at its end", table(desired / "steps.csv")["tracking_error"], TAU * np.arange(6))
-        zero = run('[load]\ntraction = [ { on = "bottom", value = ["0", "sin(10*pi*x)^2"] } ]')  # 0 at the nodes, every 0.1 m
-        check("expressions are interpolated at the nodes", momentum(zero), np.zeros(6))
-
-        at_vertices, with_middles = run(CONTACT), run(CONTACT, mesh__degree=2)
-        check("candidates at degree 2 include the middles of edges",
-              [manifest(out)["candidates"] for out in (at_vertices, with_middles)], [11, 21])  # fmt: skip
-        held = run(CONTACT.replace("[initial]", '[[clamp]]\non = "left"\n[initial]').replace('"-1"', '"-x"'))
-        check("a clamped node is no candidate", manifest(held)["candidates"], 10)
-        sliding = run(CONTACT.replace("[initial]", '[[clamp]]\non = "left"\ncomponents = ["x"]\n[initial]'))
-        check("one that a clamp holds in other directions alone is", manifest(sliding)["candidates"], 11)
-
-        hit = run(CONTACT, time__step=5e-3)
-        steps, obstacles, contact = (table(hit / f"{name}.csv") for name in ("steps", "obstacles", "contact"))
-        assert steps["contact_force_y"].max() > 1, "the body did not hit"
-        check("the force is that on the body", bool((steps["contact_force_y"] >= 0).all() and (contact["normal_y"] == 1).all()), True)
-        impulse = 5e-3 * obstacles["force_y"].sum()
-        moved = table(hit / "probes.csv")["body.momentum_y"]
-        check("the sum of step times force is the impulse", impulse, moved[-1] - moved[0])
-        energy = steps["kinetic_energy"] + steps["elastic_energy"]
-        works = steps["external_work"] + steps["contact_work"] - steps["viscous_dissipation"]
-        check("the energy law of a step", np.diff(energy) - works[1:], np.zeros(100))
-        check("contact never does work", bool((steps["contact_work"] <= 1e-12).all()), True)
-
-        pulled = run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n')
-        steps = table(pulled / "steps.csv")
-        energy = steps["kinetic_energy"] + steps["elastic_energy"]
-        assert energy[-1] > 0
-        check("external work includes the clamps'", steps["external_work"].sum(), energy[-1] - energy[0])
-        check("load_work does not", steps["load_work"], np.zeros(6))
-
-        found = run(CONTACT + '[control]\nscale = 1.0\nlower = -2.0\nupper = 2.0\n[objective]\ndesired = { control = ["0", "-2"] }\n'
-                    'alpha = 1e-2\ngamma = 1e-2\n[optimizer]\nmax_iterations = 5\n', "optimize", time__step=5e-3)  # fmt: skip
-        error = table(found / "steps.csv")["tracking_error"] ** 2
-        J = manifest(found)["objective"]
-        check("steps.csv after optimize belongs to the last iterate", 5e-3 / 4 * (error[1:] + error[:-1]).sum(), J["tracking"])
-        check("the end state counts without a half", 1e-2 * error[-1], J["terminal"])
-        history, search = table(found / "history.csv"), manifest(found)["optimizer"]
-        assert history["forward_sweeps"][-1] > history["adjoint_sweeps"][-1] > 5
-        check("sweeps in run.json are those of the search", [search["iterations"], search["forward_sweeps"], search["adjoint_sweeps"]],
-              [history[name][-1] for name in ("iteration", "forward_sweeps", "adjoint_sweeps")])  # fmt: skip
-        check("the last row of history.csv too", table(found / "history.csv")["objective"][-1], J["value"])
-
-        acts_in_time(run, Path(scratch))
-        active_and_weak(run)
-        gradient_norms(run)
-        studies(run)
-
-        nodal = run(control + tracked, "optimize", control__space="nodal", mesh__degree=2)
-        cells = run(control + tracked, "optimize", control__space="cellwise", mesh__degree=2)
-        points, _, _ = stored(nodal, "control", "control")
-        check("a control has values at the nodes, or one in each cell",
-              [stored(out, "control", "control")[2].shape[1] for out in (nodal, cells)], [len(points), manifest(cells)["cells"]])  # fmt: skip
-        fits(run)
-    print(f"{run.number} runs, {failures} failures")
-    return 1 if failures else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+def test_impact_begins_and_ends_with_steps(fit: Runner) -> None:
+    """At the begin of the first step with a force and at the end of the last one."""
+    impact, steps = manifest(fit())["impact"]["all"], np.flatnonzero(table(fit() / "obstacles.csv")["force_y"] > 0)
+    assert [impact["start"], impact["end"]] == exactly([(steps[0] - 1) * LENGTH, steps[-1] * LENGTH])

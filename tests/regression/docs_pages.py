@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The documentation is built without a warning, and a browser shows every page, on a desk and on a phone, no wider than the
 screen, with its pictures and its mathematics, without the network.
-
-    docs_pages.py SIGNORINI SOURCE
 """
 
 import json
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from browser import browser  # noqa: E402
-from harness import SOURCE  # noqa: E402
-from selenium.webdriver import Chrome  # noqa: E402
+import pytest
+from browser import browser
+from harness import SOURCE
+from selenium.webdriver import Chrome
 
 SCREENS = {"desk": (1280, 900), "phone": (390, 844)}  # pixels
 PATIENCE = 60  # s
@@ -30,7 +27,9 @@ LOOK = """
           [...document.images].filter(one => !one.complete || one.naturalWidth == 0).length, root.scrollWidth, root.clientWidth]"""
 
 
-def build(folder: Path) -> Path:
+@pytest.fixture(scope="module")
+def html(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("docs")
     command = [sys.executable, "-m", "sphinx", "-q", "-n", "-W", "--keep-going", "-b", "html", "-d", str(folder / "doctrees"),
                str(SOURCE / "docs"), str(folder / "html")]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True)
@@ -39,7 +38,7 @@ def build(folder: Path) -> Path:
 
 
 def requested(driver: Chrome) -> list[str]:
-    """What the page asked of the network."""
+    """The addresses in the network that the page asked for."""
     sent = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     urls = [one["params"]["request"]["url"] for one in sent if one["method"] == "Network.requestWillBeSent"]
     return [url for url in urls if url.startswith("http")]
@@ -63,24 +62,17 @@ def problems(driver: Chrome, page: Path, width: int) -> list[str]:
     return found
 
 
-def main() -> int:
-    failed = formulas = 0
-    with tempfile.TemporaryDirectory() as scratch:
-        html = build(Path(scratch))
-        pages = [page for page in sorted(html.rglob("*.html")) if "_static" not in page.parts]
-        for name, (width, height) in SCREENS.items():
-            with browser(Path(scratch) / name) as driver:
-                metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": name == "phone"}
-                driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-                for page in pages:
-                    for problem in problems(driver, page, width):
-                        failed += 1
-                        print(f"FAIL  {page.relative_to(html)} on a {name}: {problem}", flush=True)
-                    formulas += driver.execute_script("return document.querySelectorAll('.MathJax_SVG').length")
-    print(f"{len(pages)} pages on {len(SCREENS)} screens, {formulas} formulas, {failed} failures")
-    assert len(pages) > 25 and formulas > 500, "hardly anything was looked at"
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("screen", SCREENS)
+def test_pages(screen: str, html: Path, tmp_path: Path) -> None:
+    pages = [page for page in sorted(html.rglob("*.html")) if "_static" not in page.parts]
+    width, height = SCREENS[screen]
+    found, formulas = [], 0
+    with browser(tmp_path) as driver:
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": screen == "phone"}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        for page in pages:
+            found += [f"{page.relative_to(html)} {problem}" for problem in problems(driver, page, width)]
+            formulas += driver.execute_script("return document.querySelectorAll('.MathJax_SVG').length")
+    print(f"{len(pages)} pages, {formulas} formulas")
+    assert len(pages) > 25 and formulas > 250, "hardly anything was shown"
+    assert not found, "\n".join(found)

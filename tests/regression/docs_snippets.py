@@ -9,40 +9,36 @@ Fenced blocks of README.md, CONTRIBUTING.md and docs/, by their language:
                   without a name, a part of a scene: it must parse, and the program must know its keys
     python        run; `# name.py` in its first line: written to that file too, for a command that follows
     c             `// name.geo` in its first line: written to that file
-    text          what a program prints: not looked at
+    text          what a program prints: not examined
 
-Commands within a line of prose (`./dev …`, `signorini VERB …`) are looked at like those of `sh bench`.
-
-    docs_snippets.py SIGNORINI SOURCE [PAGE…]
+Commands within a line of prose (`./dev …`, `signorini VERB …`) are examined like those of `sh bench`.
 """
 
-import importlib.util
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 import tomllib
 from collections import Counter
 from dataclasses import dataclass
 from functools import cache
+from importlib.machinery import PathFinder
 from pathlib import Path
 
-SIGNORINI, SOURCE = (Path(a).resolve() for a in sys.argv[1:3])
+import pytest
+from harness import SIGNORINI, SOURCE
+
+PAGES = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", *sorted((SOURCE / "docs").rglob("*.md"))]
 FENCE = re.compile(r"(?ms)^( *)```([a-z]+)( bench)?\n(.*?)^ *```$")
 COMMAND = re.compile(r"(?s)(?<!`)`((?:\./dev|signorini) [^`]+)`(?!`)")
 PLACEHOLDER = re.compile(r"^[A-Z]+$|…")  # SCENE, FOLDER, TOL
 NAMED = {"toml": r"# ([\w-]+\.toml)(, continued)?\n", "c": r"// ([\w-]+\.geo)()\n", "python": r"# ([\w-]+\.py)()\n"}
 SECONDS = 300
-FOUND = importlib.util.find_spec("signorini")
+FOUND = PathFinder.find_spec("signorini")
 # Whether the Python module is built; where it is not its snippets are compiled alone.
 MODULE = FOUND is not None and FOUND.origin is not None and any(Path(FOUND.origin).parent.glob("_signorini*"))
-
-
-class Wrong(Exception):
-    """What is wrong with a snippet."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +55,8 @@ class Block:
 
 def blocks(page: Path) -> list[Block]:
     text = page.read_text()
-    found = [Block(page, text[: match.start()].count("\n") + 1, match[2], bool(match[3]), re.sub(f"(?m)^{match[1]}", "", match[4]))
-             for match in FENCE.finditer(text)]  # fmt: skip
-    fences = len(re.findall(r"(?m)^ *```", re.sub(r"(?ms)^```\{.*?^```$", "", text)))
-    if fences != 2 * len(found):
-        raise Wrong(f"{page.relative_to(SOURCE)}: {fences} fences, of which {2 * len(found)} enclose a block with a language")
-    return found
+    return [Block(page, text[: match.start()].count("\n") + 1, match[2], bool(match[3]), re.sub(f"(?m)^{match[1]}", "", match[4]))
+            for match in FENCE.finditer(text)]  # fmt: skip
 
 
 def output(*command: str) -> str:
@@ -83,52 +75,55 @@ def known_keys() -> set[str]:
     return names | {".".join(name.split(".")[:i]) for name in names for i in range(1, name.count(".") + 1)}
 
 
-class Page:
-    """A page's scratch folder."""
+def named(block: Block) -> re.Match | None:
+    """The file that a block is written to, and whether it is added to it."""
+    return re.match(NAMED[block.language], block.text) if block.language in NAMED else None
 
-    def __init__(self, page: Path, folder: Path):
-        self.page, self.folder = page, folder
-        self.env = os.environ | {"PATH": f"{SIGNORINI.parent}:{os.environ['PATH']}", "MPLBACKEND": "Agg"}
-        for name in ("scenes", "meshes", "docs", "forms", "postprocess"):
-            (folder / name).symlink_to(SOURCE / name)
 
-    def run(self, command: list[str], text: str | None = None) -> None:
-        done = subprocess.run(command, cwd=self.folder, env=self.env, input=text, capture_output=True, text=True, timeout=SECONDS)
-        if done.returncode:
-            raise Wrong(f"ended with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-
-    def take(self, block: Block) -> str:
-        """Runs or checks a block; what was done with it, for the count."""
-        if block.language == "text":
+def use_of(block: Block) -> str:
+    """One of: shown, parsed, compiled, executed. What is compiled would be executed if the Python module were built."""
+    match block.language:
+        case "text":
             return "shown"
-        if block.bench:
-            for command in commands(block.text):
-                look_at(command, self.folder)
+        case _ if block.bench:
             return "parsed"
-        named = re.match(NAMED[block.language], block.text) if block.language in NAMED else None
-        if named:
-            with open(self.folder / named[1], "a" if named[2] else "w") as file:
-                file.write(block.text + "\n")
-        match block.language:
-            case "sh" if not MODULE and ".py" in block.text:
-                return "compiled"  # with the script that it names
-            case "sh":
-                self.run(["bash", "-euo", "pipefail", "-c", block.text])
-                return "executed"
-            case "python":
-                compile(block.text, str(block), "exec")
-                if "import signorini" in block.text and not MODULE:
-                    return "compiled"
-                self.run([sys.executable, "-"], block.text)
-                return "executed"
-            case "toml" if named:
-                return "executed"  # by the commands that read it
-            case "toml":
-                look_at_keys(block.text)
-                return "parsed"
-            case "c" if named:
-                return "executed"
-        raise Wrong(f"nothing is known of the language {block.language}")
+        case "sh" if not MODULE and ".py" in block.text:
+            return "compiled"  # with the script that it names
+        case "python":
+            return "compiled" if "import signorini" in block.text and not MODULE else "executed"
+        case "toml" if not named(block):
+            return "parsed"
+        case "sh" | "toml" | "c":
+            return "executed"  # a scene or a mesh by the commands that read it
+    raise AssertionError(f"{block}: nothing is known of the language {block.language}")
+
+
+def run(folder: Path, command: list[str], text: str | None = None) -> None:
+    env = os.environ | {"PATH": f"{SIGNORINI.parent}:{os.environ['PATH']}", "MPLBACKEND": "Agg"}
+    done = subprocess.run(command, cwd=folder, env=env, input=text, capture_output=True, text=True, timeout=SECONDS)
+    assert done.returncode == 0, f"ended with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+
+
+def take(block: Block, folder: Path) -> None:
+    """Writes, runs or examines a block."""
+    use = use_of(block)
+    if block.bench:
+        for command in commands(block.text):
+            examine(command)
+        return
+    if file := named(block):
+        with open(folder / file[1], "a" if file[2] else "w") as out:
+            out.write(block.text + "\n")
+    if block.language == "python":
+        compile(block.text, str(block), "exec")
+        if use == "executed":
+            run(folder, [sys.executable, "-"], block.text)
+    elif block.language == "sh" and use == "executed":
+        run(folder, ["bash", "-euo", "pipefail", "-c", block.text])
+    elif block.language == "toml" and use == "parsed":
+        examine_keys(block.text)
+    elif block.language == "c":
+        assert file, "a block of C without the name of a mesh"
 
 
 def commands(text: str) -> list[list[str]]:
@@ -136,60 +131,49 @@ def commands(text: str) -> list[list[str]]:
     return [words for line in joined.splitlines() if (words := shlex.split(line, comments=True))]
 
 
-def look_at(words: list[str], folder: Path) -> None:
-    """A command that is not run: does the program know its verb and options?"""
+def examine(words: list[str]) -> None:
+    """Asserts of a command that is not run that the program has its verb and options."""
     program, *rest = words
     if program == "./dev":
-        look_at_dev(rest, folder)
+        examine_dev(rest)
     elif program == "signorini":
-        look_at_signorini(rest, folder)
+        examine_signorini(rest)
     elif program == "signorini-hard":
         for family in rest:
-            if not (SOURCE / "tests" / "verification" / "hard" / f"{family}.py").is_file():
-                raise Wrong(f"there is no family {family} of hard cases")
+            assert (SOURCE / "tests" / "verification" / "hard" / f"{family}.py").is_file(), f"there is no family {family} of hard cases"
     elif "=" in program:  # a variable for the command
-        look_at(rest, folder)
-    elif not shutil.which(program):
-        raise Wrong(f"there is no program {program}")
+        examine(rest)
+    else:
+        assert shutil.which(program), f"there is no program {program}"
 
 
-def look_at_dev(words: list[str], folder: Path) -> None:
-    usage = output("sh", str(SOURCE / "dev"), "help")
-    verb = words[0]
-    if not re.search(rf"(?m)^  {re.escape(verb)}\b", usage) and verb not in ("help", "…"):
-        raise Wrong(f"./dev has no verb {verb}")
+def examine_dev(words: list[str]) -> None:
+    usage, verb = output("sh", str(SOURCE / "dev"), "help"), words[0]
+    assert re.search(rf"(?m)^  {re.escape(verb)}\b", usage) or verb in ("help", "…"), f"./dev has no verb {verb}"
     if verb == "exec":
-        look_at(words[1:], folder)
+        examine(words[1:])
     suite = words[1] if verb == "bench" and len(words) > 1 else ""
     if suite and not suite.startswith("-") and not PLACEHOLDER.search(suite):
-        script = SOURCE / "tests" / "bench" / f"{suite}.py"
-        if not script.is_file() and suite not in (SOURCE / "dev").read_text() + (SOURCE / "tests/bench/bench.py").read_text():
-            raise Wrong(f"there is no suite {suite} of ./dev bench")
-        own = script if script.is_file() else SOURCE / "tests/bench/bench.py"
+        script, bench = (SOURCE / "tests" / "bench" / f"{name}.py" for name in (suite, "bench"))
+        assert script.is_file() or suite in (SOURCE / "dev").read_text() + bench.read_text(), f"there is no suite {suite} of ./dev bench"
+        own = script if script.is_file() else bench
         for option in (word.split("=")[0] for word in words[2:] if word.startswith("--")):
-            if option not in own.read_text() + (SOURCE / "tests/bench/program.py").read_text():
-                raise Wrong(f"{own.name} has no option {option}")
+            assert option in own.read_text() + (SOURCE / "tests/bench/program.py").read_text(), f"{own.name} has no option {option}"
 
 
-def look_at_signorini(words: list[str], folder: Path) -> None:
+def examine_signorini(words: list[str]) -> None:
     verb = words[0]
     if verb.startswith("-"):
-        if verb not in help_of():
-            raise Wrong(f"the program has no option {verb}")
-        return
-    if PLACEHOLDER.search(verb):
-        return
-    if not re.search(rf"(?m)^  {verb} ", help_of()):
-        raise Wrong(f"the program has no verb {verb}")
-    for word in words[1 : words.index("--") if "--" in words else None]:
-        if word.startswith("--") and word.split("=")[0] not in help_of(verb):
-            raise Wrong(f"{verb} has no option {word}")
-        if word.startswith("scenes/") and not (SOURCE / word).is_file():
-            raise Wrong(f"there is no scene {word}")
+        assert verb in help_of(), f"the program has no option {verb}"
+    elif not PLACEHOLDER.search(verb):
+        assert re.search(rf"(?m)^  {verb} ", help_of()), f"the program has no verb {verb}"
+        for word in words[1 : words.index("--") if "--" in words else None]:
+            assert not word.startswith("--") or word.split("=")[0] in help_of(verb), f"{verb} has no option {word}"
+            assert not word.startswith("scenes/") or (SOURCE / word).is_file(), f"there is no scene {word}"
 
 
-def look_at_keys(text: str) -> None:
-    """A part of a scene: tables whose keys the program knows."""
+def examine_keys(text: str) -> None:
+    """Asserts that the program has the keys of a part of a scene."""
 
     def names(value: object, path: str) -> list[str]:
         if isinstance(value, list):
@@ -200,46 +184,36 @@ def look_at_keys(text: str) -> None:
 
     for key, value in tomllib.loads(text).items():
         for name in names(value, key):
-            if name not in known_keys() and not any(name.startswith(f"{known}.") and known.endswith("value") for known in known_keys()):
-                raise Wrong(f"a scene has no key {name}")
+            known = name in known_keys() or any(name.startswith(f"{known}.") and known.endswith("value") for known in known_keys())
+            assert known, f"a scene has no key {name}"
 
 
-def main() -> int:
-    pages = [Path(page).resolve() for page in sys.argv[3:]]
-    pages = pages or [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", *sorted((SOURCE / "docs").rglob("*.md"))]
-    count, failed = Counter(), 0
-    with tempfile.TemporaryDirectory() as scratch:
-        for number, page in enumerate(pages):
-            folder = Path(scratch) / str(number)
-            folder.mkdir()
-            place = Page(page, folder)
-            try:
-                found = blocks(page)
-            except Wrong as reason:
-                failed += 1
-                print(f"FAIL  {reason}", flush=True)
-                continue
-            for block in found:
-                try:
-                    count[place.take(block)] += 1
-                except (Wrong, SyntaxError, tomllib.TOMLDecodeError, subprocess.TimeoutExpired) as reason:
-                    failed += 1
-                    print(f"FAIL  {block}: {reason}", flush=True)
-            for command in COMMAND.findall(FENCE.sub("", page.read_text())):
-                words = shlex.split(command.replace("\n", " "))
-                try:
-                    look_at(words, folder)
-                    count["in prose"] += 1
-                except Wrong as reason:
-                    failed += 1
-                    print(f"FAIL  {page.relative_to(SOURCE)}: `{command}`: {reason}", flush=True)
-    print(f"{len(pages)} pages: {count['executed']} snippets executed, {count['parsed']} parsed, {count['compiled']} of Python compiled; "
-          f"{count['in prose']} commands in prose; {failed} failures")  # fmt: skip
-    if not sys.argv[3:] and count["executed"] < 30:
-        print("hardly anything was executed")
-        return 1
-    return 1 if failed else 0
+each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(SOURCE)))
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+@each_page
+def test_fences_enclose_blocks_with_a_language(page: Path) -> None:
+    fences = len(re.findall(r"(?m)^ *```", re.sub(r"(?ms)^```\{.*?^```$", "", page.read_text())))
+    assert fences == 2 * len(blocks(page))
+
+
+@each_page
+def test_blocks(page: Path, tmp_path: Path) -> None:
+    for name in ("scenes", "meshes", "docs", "forms", "postprocess"):
+        (tmp_path / name).symlink_to(SOURCE / name)
+    for block in blocks(page):
+        print(f"{block}: {block.language}")  # the last one is wrong if this fails
+        take(block, tmp_path)
+
+
+@each_page
+def test_commands_in_prose(page: Path) -> None:
+    for command in COMMAND.findall(FENCE.sub("", page.read_text())):
+        print(command)
+        examine(shlex.split(command.replace("\n", " ")))
+
+
+def test_much_is_executed() -> None:
+    count = Counter(use_of(block) for page in PAGES for block in blocks(page))
+    print(f"{len(PAGES)} pages: {count['executed']} snippets executed, {count['parsed']} parsed, {count['compiled']} of Python compiled")
+    assert count["executed"] >= 30

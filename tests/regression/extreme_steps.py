@@ -5,15 +5,12 @@ A block at rest on its support: the support's impulse is its weight's, by every 
 """
 
 import json
-import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import attempt, signorini, stored, table  # noqa: E402
-from soft_scenes import soft  # noqa: E402
-
-import numpy as np  # noqa: E402
+import numpy as np
+import pytest
+from harness import attempt, signorini, stored, table
+from soft_scenes import soft
 
 HALF_SPACE = """
 [contact]
@@ -35,54 +32,40 @@ def resting(folder: Path, dim: int) -> Path:
     return scene
 
 
-def at_rest(folder: Path) -> None:
+@pytest.mark.parametrize("step", (1e-3, 10.0, 1e3, 1e5))
+@pytest.mark.parametrize("dim", (2, 3))
+def test_at_rest(dim: int, step: float, tmp_path: Path) -> None:
     """Among them steps in which the free fall, g τ²/2, is up to 5e10 times the body."""
-    for dim in (2, 3):
-        scene = resting(folder, dim)
-        for step in (1e-3, 10.0, 1e3, 1e5):
-            found = {}
-            for way, ranks, overrides in (("condensed", 1, {}), ("ranks", 2, {}), ("full", 1, {"solver__vi": "full"})):
-                out = folder / way
-                signorini("simulate", scene, out, ranks, time__step=step, time__end=STEPS * step, output__every=1, **overrides)
-                steps, contact = table(out / "steps.csv"), table(out / "contact.csv")
-                assert (contact["force"] > 0).sum() > STEPS, "hardly any contact: the case says nothing"
-                force = steps[f"contact_force_{'xyz'[dim - 1]}"][1:]
-                assert contact["gap"].min() > -2e-10, f"{way}, {step} s: {contact['gap'].min()}"
-                if step > 1:  # long beside the vibration, of which the body's momentum alternates
-                    assert abs(force / WEIGHT - 1).max() < 1e-6 + 8 * STEPS * DEFLECTION / (9.81 * step**2), f"{way}, {step} s: {force}"
-                nodes, _, moved = stored(out, "state", "displacement")
-                found[way] = moved[:, np.lexsort(nodes.T.round(9)), dim - 1]  # nothing holds it sideways
-            size = abs(found["full"]).max()
-            for way in ("condensed", "ranks"):
-                off = abs(found[way] - found["full"]).max() / size
-                print(f"{dim} dimensions, steps of {step:g} s: {way} off by {off:.1e} of {size:.1e} m")
-                # In D = M + τ²/4 A the mass is known to ε C² of itself, C being the Courant number.
-                assert off < 1e-12 + 10 * EPS * (WAVE * step / ELEMENT[dim]) ** 2, f"{way}, {step} s: {off}"
+    found = {}
+    for solver, ranks, overrides in (("condensed", 1, {}), ("ranks", 2, {}), ("full", 1, {"solver__vi": "full"})):
+        out = tmp_path / solver
+        signorini("simulate", resting(tmp_path, dim), out, ranks, time__step=step, time__end=STEPS * step, output__every=1, **overrides)
+        steps, contact = table(out / "steps.csv"), table(out / "contact.csv")
+        assert (contact["force"] > 0).sum() > STEPS, "hardly any contact: the case says nothing"
+        force = steps[f"contact_force_{'xyz'[dim - 1]}"][1:]
+        assert contact["gap"].min() > -2e-10, solver
+        if step > 1:  # long beside the vibration, of which the body's momentum alternates
+            assert force / WEIGHT == pytest.approx(1, abs=1e-6 + 8 * STEPS * DEFLECTION / (9.81 * step**2)), solver
+        nodes, _, moved = stored(out, "state", "displacement")
+        found[solver] = moved[:, np.lexsort(nodes.T.round(9)), dim - 1]  # nothing holds it sideways
+    size = abs(found["full"]).max()
+    for solver in ("condensed", "ranks"):
+        off = abs(found[solver] - found["full"]).max() / size
+        print(f"{solver} off by {off:.1e} of {size:.1e} m")
+        # In D = M + τ²/4 A the mass is known to ε C² of itself, C being the Courant number.
+        assert off < 1e-12 + 10 * EPS * (WAVE * step / ELEMENT[dim]) ** 2, solver
 
 
-def exact_touch(folder: Path) -> None:
+@pytest.mark.parametrize("degree", (1, 2))
+@pytest.mark.parametrize("scheme", ("contact-implicit", "contact-stabilized"))
+def test_exact_touch(scheme: str, degree: int, tmp_path: Path) -> None:
     """A block that falls freely at 1 m/s by 0.05 m, in five steps of 0.01 s: what is left of its first touch is rounding."""
-    scene = folder / "touch.toml"
+    scene, out = tmp_path / "touch.toml", tmp_path / "touch"
     scene.write_text(soft("square.geo", 0.1, 0.2, 0.01).replace("young = 50.0", "young = 1000.0").replace("0.05, shear = 0.05", "1.0, shear = 1.0")
                      + HALF_SPACE.format(point=[0, -0.05], normal=[0, 1]) + '[initial]\nvelocity = ["0", "-1"]\n')  # fmt: skip
-    for scheme in ("contact-implicit", "contact-stabilized"):
-        for degree in (1, 2):
-            out = folder / "touch"
-            done = attempt("simulate", scene, out, time__scheme=scheme, mesh__degree=degree, run__invariants="stop")
-            assert done.returncode == 0, done.stdout + done.stderr
-            steps = table(out / "steps.csv")
-            touch = int(np.flatnonzero(steps["contact_force_y"])[0])
-            worst = json.loads((out / "run.json").read_text())["invariants"]["adhesion / force scale"]
-            print(f"{scheme}, degree {degree}: first force {steps['contact_force_y'][touch]:.1e} N/m at step {touch}, adhesion {worst}")
-            assert touch in (5, 6) and steps["contact_force_y"].max() > 10 and worst["worst"] < 1e-10
-
-
-def main() -> int:
-    with tempfile.TemporaryDirectory() as name:
-        at_rest(Path(name))
-        exact_touch(Path(name))
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    done = attempt("simulate", scene, out, time__scheme=scheme, mesh__degree=degree, run__invariants="stop")
+    assert done.returncode == 0, done.stdout + done.stderr
+    steps = table(out / "steps.csv")
+    touch = int(np.flatnonzero(steps["contact_force_y"])[0])
+    worst = json.loads((out / "run.json").read_text())["invariants"]["adhesion / force scale"]
+    assert touch in (5, 6) and steps["contact_force_y"].max() > 10 and worst["worst"] < 1e-10

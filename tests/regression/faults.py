@@ -1,32 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever call fails while a run writes, or kills it, its folder has the earlier results or the new ones, whole, and the next run works.
 
-    faults.py SIGNORINI SOURCE LIBRARY [--all]
-
-LIBRARY (tests/faults/fail_nth.c) lets the n-th call fail, all from the n-th on, or kills the process there. Some calls of each
-kind and file; --all: every call."""
+FAULTS (tests/faults/fail_nth.c) lets the n-th call fail, all from the n-th on, or kills the process there. The tests called "sample"
+take some calls of each kind and file, those called "all", which take minutes, every call."""
 
 import hashlib
 import json
 import os
 import random
 import shutil
-import sys
-import tempfile
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, captured, preloadable  # noqa: E402
+import h5py
+import pytest
+from harness import FAULTS, HALF_DISC, SIGNORINI, captured, preloadable
 
-import h5py  # noqa: E402
-
-LIBRARY = Path(sys.argv[3]).resolve()
-EVERY = "--all" in sys.argv[4:]
 ENOSPC, EIO = 28, 5
-EARLY = {"history.csv", "checkpoint.h5"}  # appear while a search goes on
+EARLY = {"history.csv", "checkpoint.h5"}  # appear before a search has ended
 LOCK = ".signorini-lock"
 STEPS = 20
 SMALL = ("mesh.size=6", f"time.end={STEPS * 5e-5}", "output.every=10", "optimizer.max_iterations=2", "optimizer.checkpoint=1")
@@ -34,7 +26,7 @@ Results = dict[str, str]
 
 
 def read_all(file: Path) -> str:
-    """The values of all datasets; HDF5's own bytes hold times."""
+    """The values of all datasets; HDF5's own bytes contain times."""
     found = []
     with h5py.File(file) as data:
         data.visititems(lambda name, item: found.append((name, item[()].tobytes())) if isinstance(item, h5py.Dataset) else None)
@@ -48,7 +40,7 @@ def without_seconds(text: str) -> str:
 
 
 def results(folder: Path) -> Results:
-    """What files there are and what they say, but for times; fails where one is damaged."""
+    """The files of a folder and what they say, but for times; fails where one is damaged."""
     found = {}
     for path in folder.iterdir() if folder.exists() else ():
         if path.name.startswith("."):
@@ -66,6 +58,10 @@ def results(folder: Path) -> Results:
     return found
 
 
+def hidden(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir() if path.name.startswith(".")} if folder.exists() else set()
+
+
 @dataclass
 class Outcome:
     status: int
@@ -78,7 +74,7 @@ class Outcome:
 
 @dataclass
 class Run:
-    """A verb that writes to a folder, with one of two parameters so that its results can be told from earlier ones."""
+    """A verb that writes to a folder, with one of two parameters by which its results differ from earlier ones."""
 
     verb: str
     root: Path
@@ -95,9 +91,11 @@ class Run:
         log = self.root / "log"
         log.unlink(missing_ok=True)
         (self.root / "scratch").mkdir(exist_ok=True)
-        env = {"TMPDIR": str(self.root / "scratch"), "LD_PRELOAD": preloadable(LIBRARY, self.root),
+        env = {"TMPDIR": str(self.root / "scratch"), "LD_PRELOAD": preloadable(FAULTS, self.root),
                "SIGNORINI_FAIL_UNDER": str(self.root / under), "SIGNORINI_FAIL_AT": str(at),
-               "SIGNORINI_FAIL_ERROR": str(error), "SIGNORINI_FAIL_LOG": str(log)} | ({"SIGNORINI_FAIL_FROM": "1"} if onwards else {})  # fmt: skip
+               "SIGNORINI_FAIL_ERROR": str(error), "SIGNORINI_FAIL_LOG": str(log)}  # fmt: skip
+        if onwards:
+            env["SIGNORINI_FAIL_FROM"] = "1"
         command = [str(SIGNORINI), self.verb, str(HALF_DISC), "--quiet", "--out", str(self.out)]
         for assignment in (*SMALL, *self.sets, f"material.young={young}"):
             command += ["--set", assignment]
@@ -109,14 +107,11 @@ class Run:
         calls = [line.split(" ", 1)[1] for line in log.read_text().splitlines()] if log.exists() else []
         return Outcome(done.returncode, done.stderr, calls)
 
-    def expect(self) -> None:
-        for young in (1e8, 2e8):
-            shutil.rmtree(self.out, ignore_errors=True)
-            done = self(young)
-            assert done.status == 0, done.stderr
-            assert not [path for path in self.out.iterdir() if path.name.startswith(".")]
-            self.expected[young] = results(self.out)
-        assert self.expected[1e8] != self.expected[2e8]
+    def afresh(self, young: float) -> None:
+        """Runs in an empty folder."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        done = self(young)
+        assert done.status == 0 and not hidden(self.out), done.stderr
 
     def whole(self, *allowed: Results) -> Results:
         """Which of the sets of results there is in the folder, and nothing of the others but what a search shows early."""
@@ -128,23 +123,34 @@ class Run:
         raise AssertionError(f"a mixture: {names}")
 
 
+def prepared(verb: str, root: Path, sets: tuple[str, ...] = (), ranks: int = 1) -> Run:
+    """A run that knows the results of both parameters; those of 2e8 are in its folder."""
+    run = Run(verb, root, sets, ranks)
+    for young in (1e8, 2e8):
+        run.afresh(young)
+        run.expected[young] = results(run.out)
+    assert run.expected[1e8] != run.expected[2e8]
+    return run
+
+
 def one_sentence(done: Outcome, ranks: int) -> None:
     own = [line for line in done.stderr.splitlines() if line.startswith("signorini: ")]
     assert done.status == 2 and len(own) == 1, (done.status, done.stderr)
     assert ranks > 1 or len(done.stderr.splitlines()) == 1, done.stderr
-    assert ".unfinished" not in own[0], own[0]
+    assert ".unfinished" not in own[0]
 
 
-def chosen(calls: list[str], most: int, start: int = 1) -> list[int]:
-    """Numbers of calls from `start` on: at most so many, of all kinds and files; those that move files come first. Open MPI's own folder
-    for temporary files is left in peace: without it, MPI does not start."""
+def chosen(calls: list[str], most: int | None, start: int = 1) -> list[int]:
+    """Numbers of calls from `start` on: all, or at most so many, of all kinds and files; those that move files come first. Open MPI's
+    own folder for temporary files is left in peace: without it, MPI does not start."""
     groups: dict[str, list[int]] = {}
     for n, call in list(enumerate(calls, 1))[start - 1 :]:
         kind, path = call.split(" ", 1)
         if path.startswith("scratch/ompi."):
             continue
-        groups.setdefault(str(n) if kind == "rename" else kind + Path(path).name if kind in ("open", "write", "create") else kind, []).append(n)
-    if EVERY:
+        of_a_file = kind in ("open", "write", "create")
+        groups.setdefault(str(n) if kind == "rename" else kind + Path(path).name if of_a_file else kind, []).append(n)
+    if most is None:
         return sorted(n for numbers in groups.values() for n in numbers)
     first = [random.choice(numbers) for numbers in groups.values()]
     random.shuffle(first)
@@ -152,154 +158,143 @@ def chosen(calls: list[str], most: int, start: int = 1) -> list[int]:
     return sorted(first[:most])
 
 
-def fails_once(run: Run, most: int) -> str:
-    """A call fails: exit status 2, one sentence and the earlier results, or it did not matter. In an empty folder and over results."""
-    count, states = 0, Counter()
-    shutil.rmtree(run.out, ignore_errors=True)
-    over_nothing = run(1e8).calls
-    for n in chosen(over_nothing, most // 4):
+@pytest.fixture(autouse=True)
+def same_calls_each_time() -> None:
+    random.seed(1)
+
+
+def sampled(*cases: tuple) -> list:
+    """Each case, whose last value is how many calls its sample has, and besides with every call."""
+    return [pytest.param(*case, id="-".join(map(str, (*case[:-1], "sample")))) for case in cases] + [
+        pytest.param(*case[:-1], None, id="-".join(map(str, (*case[:-1], "all"))), marks=pytest.mark.long) for case in cases
+    ]
+
+
+@pytest.mark.parametrize("verb, ranks, most", sampled(("optimize", 1, 10), ("optimize", 2, 2), ("simulate", 1, 4)))
+def test_failed_call_in_an_empty_folder(verb: str, ranks: int, most: int | None, tmp_path: Path) -> None:
+    """Exit status 2, one sentence and no results, or it did not matter."""
+    run, states = prepared(verb, tmp_path, ranks=ranks), Counter()
+    shutil.rmtree(run.out)
+    calls = run(1e8).calls
+    for n in chosen(calls, most):
         shutil.rmtree(run.out, ignore_errors=True)
         done = run(1e8, n, random.choice((ENOSPC, EIO)))
         if done.status:
-            one_sentence(done, run.ranks)
+            one_sentence(done, ranks)
             found = results(run.out)
-            assert not set(found) - EARLY, (found.keys(), done.failed_at(n))
             left = {path.name for path in run.out.iterdir()} if run.out.exists() else set()
-            assert left <= EARLY | {LOCK}, (left, done.failed_at(n))
-            assert found or LOCK not in left
+            assert not set(found) - EARLY and left <= EARLY | {LOCK}, done.failed_at(n)
+            assert found or LOCK not in left, done.failed_at(n)
         else:
             assert run.whole(run.expected[1e8])
-        count += 1
         states["none" if done.status else "new"] += 1
-    there, next_one = 1e8, 2e8
-    shutil.rmtree(run.out, ignore_errors=True)
-    assert run(there).status == 0
-    over_results = run(next_one).calls
-    there, next_one = next_one, there
-    for n in chosen(over_results, most):
+    print(f"{sum(states.values())} of {len(calls)} calls failed: {dict(states)}")
+
+
+@pytest.mark.parametrize("verb, ranks, most", sampled(("optimize", 1, 40), ("optimize", 2, 8), ("simulate", 1, 16)))
+def test_failed_call_over_results(verb: str, ranks: int, most: int | None, tmp_path: Path) -> None:
+    """Exit status 2, one sentence and the earlier results, or it did not matter."""
+    run, states = prepared(verb, tmp_path, ranks=ranks), Counter()
+    run.afresh(1e8)
+    calls = run(2e8).calls
+    there, next_one = 2e8, 1e8
+    for n in chosen(calls, most):
         done = run(next_one, n, random.choice((ENOSPC, EIO)))
         try:
             if done.status:
-                one_sentence(done, run.ranks)
+                one_sentence(done, ranks)
             found = run.whole(run.expected[next_one if done.status == 0 else there])
-            hidden = {path.name for path in run.out.iterdir() if path.name.startswith(".")}
             # What could not be removed after the new results had come to their places is in nobody's way.
             tidying = done.status == 0 and (done.failed_at(n).startswith("remove") or ".finished" in done.failed_at(n))
-            assert not hidden or tidying, hidden
+            assert not hidden(run.out) or tidying
         except (AssertionError, OSError) as problem:
             raise AssertionError(f"call {n}, {done.failed_at(n)}: exit status {done.status}: {problem}") from problem
         if found is run.expected[next_one]:
             there, next_one = next_one, there
         states["new" if done.status == 0 else "old"] += 1
-        count += 1
     assert run(next_one).status == 0 and run.whole(run.expected[next_one])
-    assert not [path for path in run.out.iterdir() if path.name.startswith(".")]
-    return f"{run.verb} on {run.ranks}: {count} of {len(over_nothing) + len(over_results)} calls failed: {dict(states)}"
+    assert not hidden(run.out)
+    print(f"{sum(states.values())} of {len(calls)} calls failed: {dict(states)}")
 
 
-def comes_next(run: Run) -> None:
+def tidied_by_a_run_that_fails(run: Run) -> None:
     """A run that fails as soon as it has its folder, which it tidies up before."""
     done = Run(run.verb, run.root, (*run.sets, "contact.on=nothing"))(1e8)
     assert done.status == 2 and "contact.on" in done.stderr, done.stderr
-    left = {path.name for path in run.out.iterdir() if path.name.startswith(".")} - {LOCK}
-    assert not left, left
+    assert not hidden(run.out) - {LOCK}
 
 
-def ends_there(run: Run, most: int, error: object) -> str:
-    """The process is killed at a call, or from there on none goes through: the next run makes the folder whole."""
-    count, states = 0, Counter()
-    shutil.rmtree(run.out, ignore_errors=True)
-    assert run(1e8).status == 0
+@pytest.mark.parametrize("verb, error, most", sampled(("optimize", "kill", 16), ("optimize", EIO, 8), ("simulate", "kill", 8)))
+def test_next_run_makes_the_folder_whole(verb: str, error: object, most: int | None, tmp_path: Path) -> None:
+    """The process is killed at a call, or from there on all calls fail."""
+    run, states = prepared(verb, tmp_path), Counter()
+    run.afresh(1e8)
     calls = run(2e8).calls
     publishes = next(n for n, call in enumerate(calls, 1) if call.endswith("/replaced"))
-    numbers = chosen(calls[: publishes - 1], most // 5) + chosen(calls, most, publishes)
     there, next_one = 2e8, 1e8
-    for n in numbers:
+    for n in chosen(calls[: publishes - 1], most and most // 5) + chosen(calls, most, publishes):
         done = run(next_one, n, error, onwards=error != "kill")
         try:
             assert done.status in ((-9, 0) if error == "kill" else (2, 0)), done.stderr
             waits = (run.out / ".finished" / "replaced").exists()
             if not waits:
                 run.whole(run.expected[there], run.expected[next_one])
-            comes_next(run)
+            tidied_by_a_run_that_fails(run)
             found = run.whole(run.expected[there], run.expected[next_one])
             assert found is run.expected[next_one] or not waits
         except (AssertionError, OSError) as problem:
-            raise AssertionError(f"{error} at {n}, {done.failed_at(n)}: exit status {done.status}: {problem}") from problem
+            raise AssertionError(f"call {n}, {done.failed_at(n)}: exit status {done.status}: {problem}") from problem
         states["new by the next run" if waits else "new" if found is run.expected[next_one] else "old"] += 1
         if found is run.expected[next_one]:
             there, next_one = next_one, there
-        count += 1
-    return f"{run.verb}: {count} of {len(calls)} calls {'killed' if error == 'kill' else 'failed with all that followed'}: {dict(states)}"
+    print(f"{sum(states.values())} of {len(calls)} calls: {dict(states)}")
 
 
-def interrupted(run: Run, most: int) -> str:
-    """SIGINT before there is anything leaves the earlier results, SIGINT while the new ones are written does not keep them off."""
-    shutil.rmtree(run.out, ignore_errors=True)
-    assert run(1e8).status == 0
-    calls = run(2e8).calls
-    writes = next(n for n, call in enumerate(calls, 1) if call.startswith("create") and call.endswith("/steps.csv"))
+def test_interrupt_before_there_are_results(tmp_path: Path) -> None:
+    """It leaves the earlier ones."""
+    run = prepared("optimize", tmp_path)
     for n in range(1, 4):
         done = run(1e8, n, "interrupt")
-        assert done.status == 130 and "interrupted" in done.stderr, (done.status, done.failed_at(n))
+        assert done.status == 130 and "interrupted" in done.stderr, done.failed_at(n)
         run.whole(run.expected[2e8])
-    numbers, young = chosen(calls, most, writes), 2e8
-    for n in numbers:
+
+
+@pytest.mark.parametrize("verb, most", sampled(("optimize", 6)))
+def test_interrupt_while_results_are_written(verb: str, most: int | None, tmp_path: Path) -> None:
+    """It does not keep them off."""
+    run, young = prepared(verb, tmp_path), 2e8
+    run.afresh(1e8)
+    calls = run(young).calls
+    writes = next(n for n, call in enumerate(calls, 1) if call.startswith("create") and call.endswith("/steps.csv"))
+    for n in chosen(calls, most, writes):
         young = 3e8 - young
         done = run(young, n, "interrupt")
-        assert done.status == 0, (done.status, done.stderr, done.failed_at(n))
+        assert done.status == 0, (done.stderr, done.failed_at(n))
         run.whole(run.expected[young])
-    return f"{run.verb}: SIGINT at 3 calls of the set-up: old; at {len(numbers)} while results are written: new"
 
 
-def first_sweep(run: Run) -> str:
-    """SIGINT while the first state of all is computed, from the first guess or from a checkpoint, leaves everything as it was.
-    States are on disk, so that the calls that write them tell how far the sweep is."""
-    scratch = run.root / "scratch"
-    none = ("--set", "optimizer.max_iterations=0")
+@pytest.mark.parametrize("ranks", (1, 2))
+def test_interrupt_in_the_first_sweep(ranks: int, tmp_path: Path) -> None:
+    """While the first state of all is computed, from the first guess or from a checkpoint, it leaves everything as it was. States are on
+    disk, so that the calls that write them show the progress of the sweep."""
+    run = prepared("optimize", tmp_path, ('trajectory.storage="disk"', 'objective.desired={ displacement = ["0", "-t"] }'), ranks)
 
     def go(at: int, *options: str) -> Outcome:
-        return run(1e8, at, "interrupt", under=scratch.name, options=options)
+        return run(1e8, at, "interrupt", under="scratch", options=options)
 
     def content() -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in run.out.iterdir()} if run.out.exists() else {}
 
     shutil.rmtree(run.out)
-    writes = [n for n, call in enumerate(go(0, *none).calls, 1) if call.startswith("write") and "signorini-" in call]
+    first = go(0, "--set", "optimizer.max_iterations=0")
+    writes = [n for n, call in enumerate(first.calls, 1) if call.startswith("write") and "signorini-" in call]
     middle = writes[STEPS // 2]  # of the first sweep: from the first guess a linearised one follows, whose states are written too
     before = content()
     assert len(writes) > STEPS and "checkpoint.h5" in before
     for options in ((), ("--resume",)):
         done = go(middle, *options)
-        assert done.status == 130 and len(done.stderr.splitlines()) <= 1 + 8 * (run.ranks > 1), (done.status, done.stderr)
+        assert done.status == 130 and len(done.stderr.splitlines()) <= 1 + 8 * (ranks > 1), (options, done.stderr)
         assert content() == before, "earlier results were replaced by those of no sweep"
     assert go(0, "--resume").status == 0 and content() != before
     shutil.rmtree(run.out)
     assert go(middle).status == 130 and not run.out.exists(), "something was left of nothing"
-    return f"optimize on {run.ranks}: SIGINT in the first sweep leaves all as it was"
-
-
-def main() -> int:
-    random.seed(1)
-    with tempfile.TemporaryDirectory() as name:
-
-        def work(number_and_part: tuple[int, tuple]) -> str:
-            number, (verb, sets, ranks, part, *more) = number_and_part
-            root = Path(name).resolve() / str(number)
-            root.mkdir()
-            run = Run(verb, root, sets, ranks)
-            run.expect()
-            return part(run, *more)
-
-        on_disk = ('trajectory.storage="disk"', 'objective.desired={ displacement = ["0", "-t"] }')
-        parts = [("optimize", (), 1, fails_once, 40), ("optimize", (), 1, ends_there, 16, "kill"), ("simulate", (), 1, fails_once, 16),
-                 ("optimize", (), 1, ends_there, 8, EIO), ("simulate", (), 1, ends_there, 8, "kill"), ("optimize", (), 1, interrupted, 6),
-                 ("optimize", (), 2, fails_once, 8), ("optimize", on_disk, 1, first_sweep), ("optimize", on_disk, 2, first_sweep)]  # fmt: skip
-        with ThreadPoolExecutor(2) as workers:
-            for said in workers.map(work, enumerate(parts)):
-                print(said, flush=True)
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

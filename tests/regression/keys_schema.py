@@ -5,14 +5,15 @@ key too many or too few."""
 import copy
 import json
 import re
-import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SIGNORINI, SOURCE, captured  # noqa: E402
+import pytest
+from harness import SIGNORINI, SOURCE, captured
 
+FILES = sorted([*(SOURCE / "scenes").glob("*.toml"), *(SOURCE / "tests" / "data").glob("*.toml")])
+assert len(FILES) > 12
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
 SAYS_NOTHING = {"$schema", "title", "description", "default"}
 
@@ -21,19 +22,19 @@ def is_a(value: object, kind: str) -> bool:
     return isinstance(value, TYPES[kind]) and (kind == "boolean" or not isinstance(value, bool))
 
 
-def holds(value: object, schema: dict) -> bool:
-    """Whether a value is what a schema asks for; for the words that the program's has."""
+def valid(value: object, schema: dict) -> bool:
+    """True if a value is what a schema asks for; for the words that the program's has."""
     listed = schema.get("properties", {})
     tests = {
         "type": lambda given: any(is_a(value, kind) for kind in ([given] if isinstance(given, str) else given)),
         "enum": lambda given: value in given,
         "const": lambda given: value == given,
-        "anyOf": lambda given: any(holds(value, one) for one in given),
-        "oneOf": lambda given: sum(holds(value, one) for one in given) == 1,
-        "properties": lambda given: all(holds(value[key], one) for key, one in given.items() if key in value),
+        "anyOf": lambda given: any(valid(value, one) for one in given),
+        "oneOf": lambda given: sum(valid(value, one) for one in given) == 1,
+        "properties": lambda given: all(valid(value[key], one) for key, one in given.items() if key in value),
         "required": lambda given: all(key in value for key in given),
         "additionalProperties": lambda given: given or all(key in listed for key in value),
-        "items": lambda given: all(holds(one, given) for one in value),
+        "items": lambda given: all(valid(one, given) for one in value),
         "minItems": lambda given: len(value) >= given,
         "maxItems": lambda given: len(value) <= given,
         "minLength": lambda given: len(value) >= given,
@@ -42,7 +43,7 @@ def holds(value: object, schema: dict) -> bool:
         "exclusiveMinimum": lambda given: value > given,
         "exclusiveMaximum": lambda given: value < given,
     }
-    words = sorted(schema.keys() - SAYS_NOTHING, key=list(tests).index)  # the type first: the others take it for granted
+    words = sorted(schema.keys() - SAYS_NOTHING, key=list(tests).index)  # the type first, which the others rely on
     return all(tests[word](schema[word]) for word in words)
 
 
@@ -76,34 +77,45 @@ def printed(*words: str) -> str:
     return done.stdout
 
 
-def main() -> int:
+@pytest.fixture(scope="module")
+def schema() -> dict:
+    return json.loads(printed("keys", "--json"))
+
+
+def test_help_names_the_command() -> None:
     assert re.search(r"(?m)^  keys ", printed("--help"))
-    for said in (printed("--help"), printed("keys")):  # what expressions consist of
-        assert all(part in said for part in ("a ? b : c", "+ - * / ^", "atan2", "sqrt", "pi", "x, y, z (m)")), said
+
+
+@pytest.mark.parametrize("words", ("--help", "keys"))
+def test_parts_of_expressions(words: str) -> None:
+    said = printed(words)
+    assert all(part in said for part in ("a ? b : c", "+ - * / ^", "atan2", "sqrt", "pi", "x, y, z (m)"))
+
+
+def test_same_keys_as_text_and_markdown() -> None:
     named = re.findall(r"(?m)^\| `([a-z_.]+)` ", printed("keys", "--markdown"))
     assert len(named) > 60 and re.findall(r"(?m)^[a-z_.]+$", printed("keys")) == named
-    schema = json.loads(printed("keys", "--json"))
+
+
+def test_dialect(schema: dict) -> None:
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
-    files = [*(SOURCE / "scenes").glob("*.toml"), *(SOURCE / "tests" / "data").glob("*.toml")]
-    failed, refused = [], 0
-    for file in files:
-        scene = tomllib.loads(file.read_text())
-        wrong = [("a key too many", scene | {"gravity": 9.81}), ("no time", {k: v for k, v in scene.items() if k != "time"})]
-        for path in places(scene):
-            value = {"nonsense": 1} if not isinstance(path[-1], int) else "nonsense"
-            wrong.append((f"{path} of a wrong type", changed(scene, path, value)))
-        wrong += [("a text for a number", changed(scene, ("time", "end"), "1")), ("a step of zero", changed(scene, ("time", "step"), 0)),
-                  ("an unknown scheme", changed(scene, ("time", "scheme"), "explicit"))]  # fmt: skip
-        if not holds(scene, schema):
-            failed.append(f"{file.name} is refused")
-        failed += [f"{file.name} with {what} is taken" for what, other in wrong if holds(other, schema)]
-        refused += len(wrong)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_scene(file: Path, schema: dict) -> None:
+    """It is valid, and with any one thing wrong it is not."""
+    scene = tomllib.loads(file.read_text())
+    assert valid(scene, schema)
+    wrong = {"a key too many": scene | {"gravity": 9.81}, "no time": {k: v for k, v in scene.items() if k != "time"}}
+    for path in places(scene):
+        value = {"nonsense": 1} if not isinstance(path[-1], int) else "nonsense"
+        wrong[f"{path} of a wrong type"] = changed(scene, path, value)
+    wrong |= {"a text for a number": changed(scene, ("time", "end"), "1"), "a step of zero": changed(scene, ("time", "step"), 0),
+              "an unknown scheme": changed(scene, ("time", "scheme"), "explicit")}  # fmt: skip
+    assert [what for what, other in wrong.items() if valid(other, schema)] == [], "valid, and yet wrong"
+
+
+def test_defaults(schema: dict) -> None:
     own = list(defaults(schema))
-    failed += [f"the default {one['default']} is refused by its own key" for one in own if not holds(one["default"], one)]
-    assert len(files) > 12 and len(own) > 15
-    print("\n".join(failed) or f"{len(files)} scenes are taken, {refused} with something wrong refused, {len(own)} defaults hold")
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    assert len(own) > 15
+    assert [one["default"] for one in own if not valid(one["default"], one)] == [], "refused by its own key"

@@ -2,9 +2,12 @@
 """Data flows one way: a file of cpp/ includes only what stands before it in the order of the design."""
 
 import re
-import sys
-from pathlib import Path
+from pathlib import PurePath
 
+import pytest
+from harness import SOURCE
+
+CPP = SOURCE / "cpp"
 # The layers in the order in which data flows: each sees itself and those before it.
 ORDER = ["base", "linalg", "scene", "mesh", "fem", "contact", "step", "trajectory", "adjoint", "diagnostics", "optimize", "control", "io", "problem",
          "drivers", "accuracy", "app"]  # fmt: skip
@@ -16,39 +19,36 @@ LIBRARIES_OUT_OF = {"optimize": re.compile(r"<(petsc|dolfinx)"), "scene": re.com
 GENERATED_ONLY_IN = ("fem/forms.cpp", re.compile(r'"viscoelasticity_'))
 
 
-def includes(path: Path) -> list[str]:
-    return re.findall(r'^#include\s+([<"][^>"]+[>"])', path.read_text(), re.MULTILINE)
+def includes() -> list[tuple[str, str | None, str]]:
+    """Files of cpp/, their layers (None for a file in no folder) and what they include, with quotes or angle brackets."""
+    files = [(path, path.relative_to(CPP)) for path in sorted([*CPP.rglob("*.h"), *CPP.rglob("*.cpp")])]
+    assert PurePath("fem/forms.cpp") in [name for _, name in files], f"{CPP} is not the source folder"
+    return [(name.as_posix(), name.parts[0] if len(name.parts) > 1 else None, include)
+            for path, name in files for include in re.findall(r'^#include\s+([<"][^>"]+[>"])', path.read_text(), re.MULTILINE)]  # fmt: skip
 
 
-def violations(cpp: Path) -> list[str]:
-    found = []
-    for path in sorted([*cpp.rglob("*.h"), *cpp.rglob("*.cpp")]):
-        name = path.relative_to(cpp).as_posix()
-        layer = name.split("/")[0] if "/" in name else None
-        if layer and layer not in SEES:
-            found.append(f"{name}: the layer {layer} is not in the order")
-            continue
-        for include in includes(path):
-            target = include.strip('"<>')
-            first = target.split("/")[0]
-            if layer and include.startswith('"') and "/" in target and first not in SEES[layer]:
-                found.append(f"{name} includes {target}")
-            if layer in LIBRARIES_OUT_OF and LIBRARIES_OUT_OF[layer].match(include):
-                found.append(f"{name} includes {target}")
-            if GENERATED_ONLY_IN[1].match(include) and name != GENERATED_ONLY_IN[0]:
-                found.append(f"{name} includes generated {target}")
-    return found
+def report(found: list[tuple[str, str]]) -> str:
+    return "\n".join(f"{name} includes {include}" for name, include in found)
 
 
-def main() -> int:
-    cpp = Path(sys.argv[1]) / "cpp"
-    if not (cpp / "fem/forms.cpp").exists():
-        print(f"{cpp} is not the source folder")
-        return 1
-    found = violations(cpp)
-    print("\n".join(found) or "every include points the right way")
-    return 1 if found else 0
+def test_every_folder_is_a_layer() -> None:
+    assert {folder.name for folder in CPP.iterdir() if folder.is_dir()} <= set(ORDER)
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+def test_order() -> None:
+    found = [(name, include) for name, layer, include in includes()
+             if layer in SEES and include.startswith('"') and "/" in include and include.strip('"').split("/")[0] not in SEES[layer]]  # fmt: skip
+    assert not found, report(found)
+
+
+@pytest.mark.parametrize("layer", LIBRARIES_OUT_OF)
+def test_no_library(layer: str) -> None:
+    found = [(name, include) for name, of, include in includes() if of == layer and LIBRARIES_OUT_OF[layer].match(include)]
+    assert not found, report(found)
+
+
+def test_generated_code_in_one_file() -> None:
+    file, generated = GENERATED_ONLY_IN
+    including = [(name, include) for name, _, include in includes() if generated.match(include)]
+    found = [(name, include) for name, include in including if name != file]
+    assert including and not found, report(found)

@@ -1,32 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every source file names the licence in its first lines, and LICENSE is that licence."""
 
-import sys
-from pathlib import Path
+from harness import SOURCE
 
 LINE = "SPDX-License-Identifier: GPL-3.0-or-later"
 SOURCES = ("*.h", "*.h.in", "*.cpp", "*.c", "*.py", "*.js", "*.sh", "*.cmake", "*.cmake.in", "CMakeLists.txt", "dev")
 FOLDERS = ("cpp", "forms", "postprocess", "python", "tests", "docs", "packaging")
 
 
-def sources(root: Path) -> list[Path]:
-    found = [path for pattern in SOURCES for path in root.glob(pattern)]
-    return found + [path for folder in FOLDERS for pattern in SOURCES for path in (root / folder).rglob(pattern)]
+def test_first_lines() -> None:
+    files = [path for pattern in SOURCES for path in SOURCE.glob(pattern)]
+    files += [path for folder in FOLDERS for pattern in SOURCES for path in (SOURCE / folder).rglob(pattern)]
+    assert len(files) >= 100, f"{SOURCE} is not the source folder"
+    without = [str(path.relative_to(SOURCE)) for path in files if LINE not in "".join(path.read_text().splitlines()[:3])]
+    assert not without, f"the first lines do not have {LINE} in:\n" + "\n".join(without)
 
 
-def main() -> int:
-    root = Path(sys.argv[1])
-    files = sources(root)
-    if len(files) < 100:
-        print(f"{root} is not the source folder")
-        return 1
-    without = [path for path in files if LINE not in "".join(path.read_text().splitlines()[:3])]
-    for path in without:
-        print(f"{path.relative_to(root)}: its first lines do not have {LINE}")
-    if "GNU GENERAL PUBLIC LICENSE" not in (root / "LICENSE").read_text():
-        print("LICENSE is not the GNU General Public License")
-        return 1
-    return 1 if without else 0
-
-
-sys.exit(main())
+def test_licence() -> None:
+    assert "GNU GENERAL PUBLIC LICENSE" in (SOURCE / "LICENSE").read_text()

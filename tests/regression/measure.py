@@ -4,14 +4,10 @@
 import json
 import re
 import shutil
-import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SIGNORINI, SOURCE, captured, table, toml  # noqa: E402
-
-import numpy as np  # noqa: E402
+import pytest
+from harness import SIGNORINI, SOURCE, captured, table, toml
 
 BLOCK = SOURCE / "tests" / "data" / "block.toml"
 NO_OBJECTIVE = re.compile(r"\[objective\].*?\n\n", re.S)
@@ -47,94 +43,118 @@ def digest(content: bytes) -> str:
     return f"{state:016x}"
 
 
-def overwritten(folder: Path) -> None:
-    """Only what a run wrote: not a record from elsewhere, a mesh, the scene or what was edited since."""
-    file = scene(folder, "data.csv")
-    run("simulate", file, "--measure", "--seed", "0", "--set", "material.young=50")
-    first = (folder / "data.csv").read_bytes()
-    assert len(table(folder / "data.csv")["value"]) == STEPS and (folder / "data.csv.measured").is_file()
-    assert "exists and stays as it is, since a fit may use it" in run("simulate", file, "--measure", "--quiet", status=2)
-    for ranks, seed in ((1, "1"), (2, "2")):
-        run("simulate", file, "--measure", "--replace", "--seed", seed, ranks=ranks)
-        assert (folder / "data.csv").read_bytes() != first
-    last = (folder / "data.csv").read_bytes()
-    # A process that is killed between its two files leaves the note of data that are not there yet.
-    (folder / "data.csv").write_bytes(first)
+@pytest.fixture
+def measured(tmp_path: Path) -> Path:
+    """A folder with the scene's table, measured in a run."""
+    run("simulate", scene(tmp_path, "data.csv"), "--measure", "--seed", "0", "--set", "material.young=50")
+    assert len(table(tmp_path / "data.csv")["value"]) == STEPS and (tmp_path / "data.csv.measured").is_file()
+    return tmp_path
+
+
+def test_stays_without_replace(measured: Path) -> None:
+    assert "exists and stays as it is, since a fit may use it" in run("simulate", measured / "scene.toml", "--measure", "--quiet", status=2)
+
+
+@pytest.mark.parametrize("ranks", (1, 2))
+def test_replaced(measured: Path, ranks: int) -> None:
+    first = (measured / "data.csv").read_bytes()
+    run("simulate", measured / "scene.toml", "--measure", "--replace", "--seed", "1", ranks=ranks)
+    assert (measured / "data.csv").read_bytes() != first
+
+
+def test_killed_between_its_two_files(measured: Path) -> None:
+    """Such a process leaves the note of data that are not there yet."""
+    file, data = measured / "scene.toml", measured / "data.csv"
+    first = data.read_bytes()
+    for seed in ("1", "2"):
+        run("simulate", file, "--measure", "--replace", "--seed", seed)
+    last = data.read_bytes()
+    data.write_bytes(first)
     run("simulate", file, "--measure", "--replace", "--seed", "2", status=2)  # replaced twice since
-    (folder / "data.csv").write_bytes(last)
+    data.write_bytes(last)
     run("simulate", file, "--measure", "--replace", "--seed", "3")
-    (folder / "data.csv").write_bytes(last)
+    data.write_bytes(last)
     run("simulate", file, "--measure", "--replace", "--seed", "2")
-    note = (folder / "data.csv.measured").read_text()
-    assert note.splitlines()[2:] == [digest((folder / "data.csv").read_bytes()), digest(last)], note
+    note = (measured / "data.csv.measured").read_text()
+    assert note.splitlines()[2:] == [digest(data.read_bytes()), digest(last)]
 
-    (folder / "data.csv").write_bytes(last + b"9,9\n")
-    shutil.copy(SOURCE / "tests" / "data" / "square.geo", folder / "mesh.geo")
-    (folder / "record.csv").write_text("time,value\n0,0\n1,1\n")
+
+KEPT = {
+    "data.csv": "data.csv has changed since simulate --measure wrote it",
+    "record.csv": "record.csv was not written by simulate --measure (there is no record.csv.measured)",
+    "link.csv": "record.csv was not written by",
+    "mesh.geo": "mesh.geo was not written by",
+    "wrong.toml": "wrong.toml was not written by",
+    "new.csv": "new.csv.measured is in the way",
+    "push.csv": "push.csv is a table that the scene reads",
+    "out/steps.csv": "steps.csv is a file of the run itself",
+    "./out/checkpoint.h5": "is a file of the run itself",
+}
+
+
+@pytest.mark.parametrize("name, ranks", [*((name, 1) for name in KEPT), ("record.csv", 2), ("out/steps.csv", 2)])
+def test_kept(measured: Path, name: str, ranks: int) -> None:
+    """Not a record from elsewhere, a mesh, the scene or what was edited since."""
+    (measured / "data.csv").write_bytes((measured / "data.csv").read_bytes() + b"9,9\n")
+    shutil.copy(SOURCE / "tests" / "data" / "square.geo", measured / "mesh.geo")
+    (measured / "record.csv").write_text("time,value\n0,0\n1,1\n")
     push = b"time,value\n0,-1\n1,-1\n"
-    (folder / "push.csv").write_bytes(push)
-    (folder / "push.csv.measured").write_text(note.splitlines()[0] + "\n" + digest(push) + "\n")
-    (folder / "new.csv.measured").write_text("a note of another kind\n")
-    (folder / "link.csv").symlink_to(folder / "record.csv")
-    for name, text in (("data.csv", "data.csv has changed since simulate --measure wrote it"),
-                       ("record.csv", "record.csv was not written by simulate --measure (there is no record.csv.measured)"),
-                       ("link.csv", "record.csv was not written by"), ("mesh.geo", "mesh.geo was not written by"),
-                       ("wrong.toml", "wrong.toml was not written by"), ("new.csv", "new.csv.measured is in the way"),
-                       ("push.csv", "push.csv is a table that the scene reads"),
-                       ("out/steps.csv", "steps.csv is a file of the run itself"), ("./out/checkpoint.h5", "is a file of the run itself")):  # fmt: skip
-        file = scene(folder, name, "wrong")
-        before = files(folder)
-        options = ("--set", 'load.body=["0", {file = "push.csv", column = "value"}]') if name == "push.csv" else ()
-        for ranks in (1, 2) if name in ("record.csv", "out/steps.csv") else (1,):
-            said = run("simulate", file, "--measure", "--replace", *options, ranks=ranks, status=2)
-            assert f"--measure: {folder}" in said and text in said, (name, said)
-            assert files(folder) == before, name
-    for name in ("drop-test", "find-the-wall", "two-materials"):
-        shipped = SOURCE / "scenes" / "data" / f"{name}.csv"
-        shutil.copy(shipped, folder)
-        shutil.copy(f"{shipped}.measured", folder)
-        run("simulate", scene(folder, shipped.name), "--measure", "--replace")
-    print("--measure --replace: over what a run wrote alone")
+    (measured / "push.csv").write_bytes(push)
+    first_line = (measured / "data.csv.measured").read_text().splitlines()[0]
+    (measured / "push.csv.measured").write_text(first_line + "\n" + digest(push) + "\n")
+    (measured / "new.csv.measured").write_text("a note of another kind\n")
+    (measured / "link.csv").symlink_to(measured / "record.csv")
+    file = scene(measured, name, "wrong")
+    before = files(measured)
+    options = ("--set", 'load.body=["0", {file = "push.csv", column = "value"}]') if name == "push.csv" else ()
+    said = run("simulate", file, "--measure", "--replace", *options, ranks=ranks, status=2)
+    assert f"--measure: {measured}" in said and KEPT[name] in said
+    assert files(measured) == before
 
 
-def said_of_tables(folder: Path) -> None:
-    """A unit in a column's name is that of its values; times of another unit, or that end early, are warned of."""
-    file = scene(folder, "si.csv")
-    run("simulate", file, "--measure", "--seed", "0", "--set", "material.young=50")
-    given = table(folder / "si.csv")
-    rows = zip(given["time"], given["value"])
-    (folder / "units.csv").write_text("time [ms];value [mm]\n" + "".join(f"{1e3 * t:.17g};{1e3 * y:.17g}\n" for t, y in rows))
+@pytest.mark.parametrize("name", ("drop-test", "find-the-wall", "two-materials"))
+def test_shipped_tables_are_of_a_run(tmp_path: Path, name: str) -> None:
+    shipped = SOURCE / "scenes" / "data" / f"{name}.csv"
+    shutil.copy(shipped, tmp_path)
+    shutil.copy(f"{shipped}.measured", tmp_path)
+    run("simulate", scene(tmp_path, shipped.name), "--measure", "--replace")
+
+
+def write_rows(file: Path, header: str, rows: list[tuple[float, float]], separator: str = ",") -> None:
+    file.write_text(f"{header}\n" + "".join(f"{t:.17g}{separator}{y:.17g}\n" for t, y in rows))
+
+
+def samples(folder: Path) -> list[tuple[float, float]]:
+    """Times and values of the measured table."""
+    given = table(folder / "data.csv")
+    return list(zip(given["time"], given["value"]))
+
+
+def test_units_of_columns_are_converted(measured: Path) -> None:
+    write_rows(measured / "units.csv", "time [ms];value [mm]", [(1e3 * t, 1e3 * y) for t, y in samples(measured)], ";")
     fitted = {}
-    for name in ("si", "units"):
-        said = run("optimize", scene(folder, f"{name}.csv"))
-        assert "warning: measurement" not in said, said
-        fitted[name] = table(folder / "out" / "parameters.csv")["value"][0]
-    assert abs(fitted["si"] / 50 - 1) < 1e-6 and abs(fitted["units"] / fitted["si"] - 1) < 1e-9, fitted
-    half = "".join(f"{t:.17g},{y:.17g}\n" for t, y in zip(given["time"][:15], given["value"]))
-    (folder / "half.csv").write_text("time,value\n" + half)
-    tiny = "".join(f"{1e-3 * t:.17g},{y:.17g}\n" for t, y in zip(given["time"][:15], given["value"]))
-    (folder / "tiny.csv").write_text("time,value\n" + tiny)
-    for name, text in (("half", "half.csv: the data end at 0.3 s, the run at 0.6 s"), ("tiny", "a thousandth of the run's 0.6 s or less")):
-        said = run("optimize", scene(folder, f"{name}.csv"), "--set", "optimizer.max_iterations=0")
-        warnings = [one["message"] for one in json.loads((folder / "out" / "run.json").read_text())["warnings"] if one["name"] == "table"]
-        assert len(warnings) == 1 and text in warnings[0] and f"warning: {warnings[0]}" in said and said.count(text) == 1, (warnings, said)
-    (folder / "push.csv").write_text("time,push\n" + "".join(f"{t},{-t}\n" for t in range(0, 101)))  # of milliseconds
-    push = ("--set", 'load.body=["0", {file = "push.csv", column = "push"}]')
-    text = f"load.body: {folder}/push.csv: the run, from 0 to 0.6 s, uses one of 100 intervals of the table, from 0 to 100 s"
-    for verb in ("simulate", "check", "info"):
-        options = ("--replace",) if verb == "simulate" else ()
-        assert text in captured([str(SIGNORINI), verb, str(scene(folder, "si.csv")), *push, *options,
-                                 *(("--out", str(folder / "out")) if options else ())]).stdout  # fmt: skip
-    assert text in json.loads((folder / "out" / "run.json").read_text())["warnings"][0]["message"]
-    print("units of columns are converted, doubtful times are warned of")
+    for name in ("data", "units"):
+        said = run("optimize", scene(measured, f"{name}.csv"))
+        assert "warning: measurement" not in said
+        fitted[name] = table(measured / "out" / "parameters.csv")["value"][0]
+    assert fitted["data"] == pytest.approx(50, rel=1e-6) and fitted["units"] == pytest.approx(fitted["data"], rel=1e-9)
 
 
-def main() -> int:
-    for part in (overwritten, said_of_tables):
-        with tempfile.TemporaryDirectory() as name:
-            part(Path(name).resolve())
-    return 0
+@pytest.mark.parametrize("scale, text", ((1, "table.csv: the data end at 0.3 s, the run at 0.6 s"), (1e-3, "a thousandth of the run's 0.6 s or less")))
+def test_doubtful_times_are_warned_of(measured: Path, scale: float, text: str) -> None:
+    write_rows(measured / "table.csv", "time,value", [(scale * t, y) for t, y in samples(measured)[:15]])
+    said = run("optimize", scene(measured, "table.csv"), "--set", "optimizer.max_iterations=0")
+    warnings = [one["message"] for one in json.loads((measured / "out" / "run.json").read_text())["warnings"] if one["name"] == "table"]
+    assert len(warnings) == 1 and text in warnings[0] and f"warning: {warnings[0]}" in said and said.count(text) == 1
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("verb", ("simulate", "check", "info"))
+def test_table_of_a_load_in_other_units(measured: Path, verb: str) -> None:
+    (measured / "push.csv").write_text("time,push\n" + "".join(f"{t},{-t}\n" for t in range(0, 101)))  # of milliseconds
+    command = [str(SIGNORINI), verb, str(measured / "scene.toml"), "--set", 'load.body=["0", {file = "push.csv", column = "push"}]']
+    text = f"load.body: {measured}/push.csv: the run, from 0 to 0.6 s, uses one of 100 intervals of the table, from 0 to 100 s"
+    if verb == "simulate":
+        command += ["--replace", "--out", str(measured / "out")]
+    assert text in captured(command).stdout
+    if verb == "simulate":
+        assert text in json.loads((measured / "out" / "run.json").read_text())["warnings"][0]["message"]

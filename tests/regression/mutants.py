@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What ./dev mutate makes of each line of a source: these changes and no others."""
 
-import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(sys.argv[1]) / "tests" / "mutation"))
-from python_sites import PythonSource  # noqa: E402
-from sites import Source  # noqa: E402
+import pytest
+from python_sites import PythonSource
+from sites import Source
 
 # A line of the source, and what may become of it.
 LINES = {
@@ -36,9 +34,7 @@ LINES = {
     '  return std::max(x.front(), x[0]);':
         ['  return std::min(x.front(), x[0]);', '  return std::max(x.back(), x[0]);', '  return std::max(x.front(), x[1]);'],
     '}': [],
-}
-
-
+}  # fmt: skip
 # Where what is printed counts, so does what a text is made of.
 PRINTED = {
     'void f(int k) {': [],
@@ -68,27 +64,11 @@ PYTHON = {
 }  # fmt: skip
 
 
-def wrong(file: Path, lines: dict[str, list[str]], source: type, **more: bool) -> int:
-    """How many lines become something else than what is expected."""
-    file.write_text("\n".join(lines) + "\n")
-    found: dict[int, list[str]] = {}
-    for mutant in (m for choices in source(file, **more).mutants() for m in choices):
-        found.setdefault(mutant.line, []).append(mutant.applied().splitlines()[mutant.line - 1])
-    count = 0
-    for number, (line, expected) in enumerate(lines.items(), 1):
-        if sorted(found.get(number, [])) != sorted(expected):
-            count += 1
-            print(f"{line}\n  became    {sorted(found.get(number, []))}\n  expected  {sorted(expected)}")
-    return count
-
-
-def main() -> int:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        count = wrong(folder / "sample.cpp", LINES, Source) + wrong(folder / "printed.cpp", PRINTED, Source, printed=True)
-        count += wrong(folder / "sample.py", PYTHON, PythonSource)
-    return 1 if count else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("file, lines, source, more", (("sample.cpp", LINES, Source, {}), ("printed.cpp", PRINTED, Source, {"printed": True}),
+                                                       ("sample.py", PYTHON, PythonSource, {})), ids=("C++", "printed", "Python"))  # fmt: skip
+def test_changes_of_each_line(file: str, lines: dict[str, list[str]], source: type, more: dict[str, bool], tmp_path: Path) -> None:
+    (tmp_path / file).write_text("\n".join(lines) + "\n")
+    found: dict[str, list[str]] = {line: [] for line in lines}
+    for mutant in (m for choices in source(tmp_path / file, **more).mutants() for m in choices):
+        found[list(lines)[mutant.line - 1]].append(mutant.applied().splitlines()[mutant.line - 1])
+    assert {line: sorted(changes) for line, changes in found.items()} == {line: sorted(changes) for line, changes in lines.items()}

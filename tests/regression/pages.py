@@ -3,25 +3,21 @@
 
 import json
 import re
-import sys
-import tempfile
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from browser import BODY, Reader, browser, make, page_of  # noqa: E402
-from harness import SOURCE, signorini, stored, table  # noqa: E402
-from soft_scenes import ON_A_BALL, soft  # noqa: E402
+import as_package  # noqa: F401
+import h5py
+import numpy as np
+import pytest
+from browser import BODY, Reader, browser, make, opened, page_of
+from harness import signorini, stored, table
+from selenium.webdriver import Chrome, Keys
+from selenium.webdriver.support.select import Select
+from signorini.post.run_folder import RunFolder
+from soft_scenes import ON_A_BALL, soft
 
-sys.path.insert(0, str(SOURCE / "postprocess"))
-import as_package  # noqa: E402, F401
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
-from signorini.post.run_folder import RunFolder  # noqa: E402
-
-from selenium.webdriver import Chrome  # noqa: E402
-from selenium.webdriver.support.select import Select  # noqa: E402
-
-DATA = SOURCE / "tests" / "data"
 GRIPPER = soft("square.geo", 0.125, 0.3, 0.01) + """
 [[contact]]
 on = "left"
@@ -38,6 +34,14 @@ obstacle = { shape = "signed-distance", distance = "y + 0.1 - 0.09*cos(3*(x - 0.
 [load]
 body = ["0", "-0.5"]
 """
+# What the page shows of the tables, and the least and largest colours of the fields (MPa, of pressures kPa).
+KNOWN_NUMBERS = (
+    "12.3 ms", "500 mN s/m", "(500, 0) mN s/m", "9.5 N/m", "110 ms ∗", "before a wave has crossed the body", "8.5 N/m", "20 ms",
+    "need not converge with step and size", "(250, 0) mN s/m", "8.75 N/m", "4.25 MPa", "0.625", "0.6875", "1337", "4211", "never", "0.8125",
+    "Work of the loads\t500", "-62.5",
+)  # fmt: skip
+KNOWN_RANGES = {"von Mises stress": (4, 4), "contact pressure": (0, 1), "stress xx": (-3, -3), "stress yy": (2, 2), "stress zz": (-1, -1),
+                "stress xy": (1, 1)}  # fmt: skip
 # Positions of a trace, as lists.
 XYZ = "[{0}.x, {0}.y, {0}.z].map((axis) => Array.from(axis))"
 
@@ -100,169 +104,186 @@ def axes_of(reader: Reader, trace: str) -> np.ndarray:
     return np.array(reader.ask(XYZ.format(trace)), dtype=float)
 
 
-def read_gripper(driver: Chrome, page: Path) -> None:
-    """Three obstacles are drawn where the nodes in contact are, the jaw follows the frames, and numbers are those of the tables."""
-    reader = Reader(driver, page, 1280, 900)
-    traces = reader.ask(f"{BODY}.map((trace) => trace.text || trace.name || '')")
-    obstacles = {name: f"{BODY}[{traces.index(name)}]" for name in ("obstacle 1", "obstacle 2", "obstacle 3")}
-    touching = axes_of(reader, f"{BODY}[{traces.index('in contact')}]")
-    jaw, ball = axes_of(reader, obstacles["obstacle 1"]), axes_of(reader, obstacles["obstacle 2"])
-    face = jaw[0].max()
-    assert np.isclose(touching[0], face, rtol=0, atol=1e-4).sum() >= 5, "the jaw is not where the left side is"  # 16 bits
-    in_contact = f"{BODY}[{traces.index('in contact')}]"
-    reader.changed(f"Array.from({in_contact}.x)", lambda: reader.find("#frame").send_keys("\ue010"))  # End, where the disc is touched
-    touching = axes_of(reader, in_contact)
-    # A disc that is linearised stays near its tangents where a body of its size touches.
-    reach = np.hypot(ball[0] - 2.52, ball[1] - 0.5)
-    found = reach.max(), np.hypot(touching[0] - 2.52, touching[1] - 0.5).min()
-    assert abs(found[0] - 1.5) < 1e-3 and found[1] < 1.52, found
-    wave = axes_of(reader, obstacles["obstacle 3"])
-    assert np.abs(wave[1] + 0.1 - 0.09 * np.cos(3 * (wave[0] - 0.5))).min() < 1e-3
-    reader.changed(f"Array.from({obstacles['obstacle 1']}.x)", lambda: reader.find("#frame").send_keys("\ue011"))  # Home
-    assert abs(axes_of(reader, obstacles["obstacle 1"])[0].max() + 0.02) < 1e-6, "the jaw at the start"
-    forces(reader, page)
-    known_numbers(reader)
-    reader.close()
-    phone = Reader(driver, page, 390, 844)
-    phone.fits()
-    phone.close()
+def names_of(reader: Reader) -> list[str]:
+    """The names or texts of the traces in the picture of the body."""
+    return reader.ask(f"{BODY}.map((trace) => trace.text || trace.name || '')")
 
 
-def forces(reader: Reader, page: Path) -> None:
-    """Each obstacle's force is a curve, and a map has a blank band where there are no candidates."""
-    contact = RunFolder(page.parent).contact
-    names = reader.ask("document.getElementById('contact-force-plot').data.map((trace) => trace.name)")
-    assert names == ["obstacle 1", "obstacle 2", "obstacle 3"], names
+def numbers_of(reader: Reader, array: str) -> np.ndarray:
+    return np.array(reader.ask(f"Array.from({array})"))
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
+    with browser(tmp_path_factory.mktemp("profile")) as driver:
+        yield driver
+
+
+@pytest.fixture(scope="module")
+def gripper(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return simulate(tmp_path_factory.mktemp("runs"), "gripper", GRIPPER)
+
+
+@pytest.fixture(scope="module")
+def known(gripper: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the run with known tables and fields."""
+    out = shutil.copytree(gripper, tmp_path_factory.mktemp("known") / "gripper")
+    with_known_tables(out)
+    with_known_fields(out)
+    return page_of(out)
+
+
+@pytest.fixture(scope="module")
+def reader(known: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Reader]:
+    """The reader of that page for tests that leave the bodies as they are and use different parts of the page."""
+    with browser(tmp_path_factory.mktemp("profile")) as driver, opened(driver, known) as reader:
+        yield reader
+
+
+@pytest.fixture(scope="module")
+def stiffer(gripper: Path) -> Path:
+    return simulate(gripper.parent, "stiffer", GRIPPER, material__young=100, time__end=0.2)
+
+
+@pytest.fixture(scope="module")
+def comparison(gripper: Path, stiffer: Path) -> Path:
+    return page_of(gripper, stiffer)
+
+
+@pytest.fixture(scope="module")
+def space(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return page_of(simulate(tmp_path_factory.mktemp("runs"), "space", ON_A_BALL))
+
+
+@pytest.mark.parametrize("page", ("known", "comparison", "space"))
+def test_fits_a_phone(page: str, driver: Chrome, request: pytest.FixtureRequest) -> None:
+    with opened(driver, request.getfixturevalue(page), 390, 844) as reader:
+        reader.fits()
+
+
+def test_obstacles(driver: Chrome, known: Path) -> None:
+    """Three obstacles are drawn where the nodes in contact are, and the jaw follows the frames."""
+    with opened(driver, known) as reader:
+        traces = names_of(reader)
+        jaw, ball, wave = (f"{BODY}[{traces.index(f'obstacle {i}')}]" for i in (1, 2, 3))
+        in_contact = f"{BODY}[{traces.index('in contact')}]"
+        face, touching = axes_of(reader, jaw)[0].max(), axes_of(reader, in_contact)
+        assert np.isclose(touching[0], face, rtol=0, atol=1e-4).sum() >= 5, "the jaw is not where the left side is"  # 16 bits
+        centers = axes_of(reader, ball)
+        reader.changed(f"Array.from({in_contact}.x)", lambda: reader.find("#frame").send_keys(Keys.END))  # where the disc is touched
+        touching = axes_of(reader, in_contact)
+        # A disc that is linearised stays near its tangents where a body of its size touches.
+        assert np.hypot(centers[0] - 2.52, centers[1] - 0.5).max() == pytest.approx(1.5, rel=0, abs=1e-3)
+        assert np.hypot(touching[0] - 2.52, touching[1] - 0.5).min() < 1.52
+        x, y, _ = axes_of(reader, wave)
+        assert np.abs(y + 0.1 - 0.09 * np.cos(3 * (x - 0.5))).min() < 1e-3
+        reader.changed(f"Array.from({jaw}.x)", lambda: reader.find("#frame").send_keys(Keys.HOME))
+        assert axes_of(reader, jaw)[0].max() == pytest.approx(-0.02, rel=0, abs=1e-6), "the jaw at the start"
+
+
+def test_force_of_each_obstacle(reader: Reader) -> None:
+    contact, plot = RunFolder(reader.page.parent).contact, "document.getElementById('contact-force-plot')"
+    assert reader.ask(f"{plot}.data.map((trace) => trace.name)") == ["obstacle 1", "obstacle 2", "obstacle 3"]
     for i in range(2):
         force = contact.of(i).force.sum(axis=1)
-        curve = np.array(reader.ask(f"Array.from(document.getElementById('contact-force-plot')._fullData[{i}].y)"))
+        curve = numbers_of(reader, f"{plot}._fullData[{i}].y")
         assert force.max() > 0.1 and np.abs(curve - (force[2:] + force[1:-1]) / 2).max() < 1e-6 * force.max()
     options = [option.text for option in Select(reader.find("#contact-force-view")).options]
-    assert options == ["each obstacle", "all obstacles", "obstacle 1", "obstacle 2", "obstacle 3"], options
-    reader.changed("document.getElementById('contact-force-plot').data.map((trace) => trace.name)",
-                   lambda: reader.select("#contact-force-view", 1))  # fmt: skip
+    assert options == ["each obstacle", "all obstacles", "obstacle 1", "obstacle 2", "obstacle 3"]
+    reader.changed(f"{plot}.data.map((trace) => trace.name)", lambda: reader.select("#contact-force-view", 1))
     assert "obstacle 3" in reader.ask("document.getElementById('active').innerText")
 
 
-def known_numbers(reader: Reader) -> None:
-    """The tables that were written, and the fields."""
-    text = reader.ask("document.body.innerText")
-    for expected in ("12.3 ms", "500 mN s/m", "(500, 0) mN s/m", "9.5 N/m", "110 ms ∗", "before a wave has crossed the body", "8.5 N/m", "20 ms", "need not converge with step and size", "(250, 0) mN s/m", "8.75 N/m", "4.25 MPa", "0.625", "0.6875", "1337", "4211", "never", "0.8125", "Work of the loads\t500", "-62.5"):
-        assert expected in text.replace("\u2212", "-"), f"{expected} is not on the page"
-    for view, slopes in ((0, (1, 2)), (1, (-1,))):
-        reader.select("#probe-1-view", view)
-        for i, slope in enumerate(slopes):
-            x, y = (np.array(reader.ask(f"Array.from(document.getElementById('probe-1-plot')._fullData[{i}].{axis})")) for axis in "xy")
-            assert np.allclose(y, slope * x, rtol=1e-12, atol=0), (view, i)
-    colours = [option.text for option in Select(reader.find("#field")).options]
-    expected = {"von Mises stress": (4, 4), "contact pressure": (0, 1), "stress xx": (-3, -3), "stress yy": (2, 2), "stress zz": (-1, -1),
-                "stress xy": (1, 1)}  # fmt: skip
-    assert set(expected) < set(colours) and "stress xz" not in colours, colours
-    for name, (least, largest) in expected.items():
-        reader.select("#field", colours.index(name))
-        values = reader.ask(f"Array.from({BODY}[0].intensity)")
-        assert abs(np.min(values) - least) < 1e-3 and abs(np.max(values) - largest) < 1e-3, (name, np.min(values), np.max(values))
-        low, high = reader.ask(f"[{BODY}[0].cmin, {BODY}[0].cmax]")
-        assert (low == -high) == (least < 0) and high > 0, f"{name}: colours from {low} to {high}"
-        label = reader.ask(f"{BODY}[0].colorbar.title.text")
-        assert label == f"{name} ({'kPa' if name == 'contact pressure' else 'MPa'})", label
+def test_numbers_of_tables(reader: Reader) -> None:
+    text = reader.ask("document.body.innerText").replace("\u2212", "-")
+    assert [number for number in KNOWN_NUMBERS if number not in text] == [], "not on the page"
 
 
-def blank_bands(folder: Path, driver: Chrome) -> None:
+@pytest.mark.parametrize("view, slopes", ((0, (1, 2)), (1, (-1,))), ids=("displacement", "velocity"))
+def test_probe(view: int, slopes: tuple[int, ...], reader: Reader) -> None:
+    reader.select("#probe-1-view", view)
+    for i, slope in enumerate(slopes):
+        x, y = (numbers_of(reader, f"document.getElementById('probe-1-plot')._fullData[{i}].{axis}") for axis in "xy")
+        assert np.allclose(y, slope * x, rtol=1e-12, atol=0), f"curve {i}"
+
+
+@pytest.mark.parametrize("name", KNOWN_RANGES)
+def test_colours_of_field(name: str, reader: Reader) -> None:
+    colours, (least, largest) = [option.text for option in Select(reader.find("#field")).options], KNOWN_RANGES[name]
+    reader.select("#field", colours.index(name))
+    values = numbers_of(reader, f"{BODY}[0].intensity")
+    assert abs(values.min() - least) < 1e-3 and abs(values.max() - largest) < 1e-3
+    low, high = reader.ask(f"[{BODY}[0].cmin, {BODY}[0].cmax]")
+    assert (low == -high) == (least < 0) and high > 0
+    assert reader.ask(f"{BODY}[0].colorbar.title.text") == f"{name} ({'kPa' if name == 'contact pressure' else 'MPa'})"
+
+
+def test_colours_to_choose(reader: Reader) -> None:
+    colours = {option.text for option in Select(reader.find("#field")).options}
+    assert set(KNOWN_RANGES) < colours and "stress xz" not in colours
+
+
+def test_blank_bands(driver: Chrome, tmp_path: Path) -> None:
     """Two jaws on opposite sides: between them no candidates, and nothing is painted."""
     text = GRIPPER.split("[[contact]]")[0] + "".join(
-        f'[[contact]]\non = "{side}"\nobstacle = {{ shape = "half-space", point = [0, "{at}"], normal = [0, {way}] }}\n'
-        for side, at, way in (("bottom", "-0.01 + 0.1*t", 1), ("top", "1.01 - 0.1*t", -1)))
-    page = page_of(simulate(folder, "jaws", text))
-    reader = Reader(driver, page, 1280, 900)
-    drawn = "document.getElementById('contact-surface-plot')._fullData[0]"
-    rows = reader.ask(f"{drawn}.z.map((row) => Array.from(row).every((value) => Number.isNaN(value) || value === null))")
-    blank = [i for i, empty in enumerate(rows) if empty]
-    edges = reader.ask(f"Array.from({drawn}.y)")
-    assert len(blank) == 1 and len(edges) == len(rows) + 1 and 0 < blank[0] < len(rows) - 1, (blank, len(rows), len(edges))
-    assert edges[blank[0] + 1] - edges[blank[0]] > 2 * (edges[1] - edges[0])
-    force = RunFolder(page.parent).contact
-    assert all(force.of(i).force.any() for i in (0, 1)), "a jaw never touches"
-    reader.close()
+        f'[[contact]]\non = "{side}"\nobstacle = {{ shape = "half-space", point = [0, "{at}"], normal = [0, {normal}] }}\n'
+        for side, at, normal in (("bottom", "-0.01 + 0.1*t", 1), ("top", "1.01 - 0.1*t", -1)))
+    page = page_of(simulate(tmp_path, "jaws", text))
+    contact = RunFolder(page.parent).contact
+    assert all(contact.of(i).force.any() for i in (0, 1)), "a jaw never touches"
+    with opened(driver, page) as reader:
+        drawn = "document.getElementById('contact-surface-plot')._fullData[0]"
+        rows = reader.ask(f"{drawn}.z.map((row) => Array.from(row).every((value) => Number.isNaN(value) || value === null))")
+        blank = [i for i, empty in enumerate(rows) if empty]
+        edges = numbers_of(reader, f"{drawn}.y")
+        assert len(blank) == 1 and len(edges) == len(rows) + 1 and 0 < blank[0] < len(rows) - 1
+        assert edges[blank[0] + 1] - edges[blank[0]] > 2 * (edges[1] - edges[0])
 
 
-def read_space(driver: Chrome, page: Path) -> None:
+def test_space(driver: Chrome, space: Path) -> None:
     """A ball below a cube, which can be seen through and cut open."""
-    reader = Reader(driver, page, 1280, 900)
-    traces = reader.ask(f"{BODY}.map((trace) => trace.text || trace.name || '')")
-    ball = axes_of(reader, f"{BODY}[{traces.index('obstacle 1')}]")
-    assert np.abs(np.linalg.norm(ball - [[0.5], [0.5], [-0.62]], axis=0) - 0.6).max() < 0.01, "the ball"
-    whole = reader.ask(f"{BODY}[0].i.length")
-    assert reader.ask(f"{BODY}[0].opacity") == 1
-    reader.select("#mode", 1)
-    assert 0 < reader.ask(f"{BODY}[0].opacity") < 1
-    reader.select("#mode", 2)
-    assert reader.ask(f"{BODY}[0].opacity") == 1 and reader.ask(f"{BODY}[0].i.length") != whole
-    # The section's points lie in one plane.
-    nodes = reader.ask(f"Array.from({BODY}[0].k).slice(-20)")
-    assert np.ptp(axes_of(reader, f"{BODY}[0]")[1][nodes]) < 0.2 * np.ptp(axes_of(reader, f"{BODY}[0]")[1])
-    reader.close()
-    phone = Reader(driver, page, 390, 844)
-    phone.fits()
-    phone.close()
+    with opened(driver, space) as reader:
+        ball = axes_of(reader, f"{BODY}[{names_of(reader).index('obstacle 1')}]")
+        assert np.abs(np.linalg.norm(ball - [[0.5], [0.5], [-0.62]], axis=0) - 0.6).max() < 0.01, "the ball"
+        whole = reader.ask(f"{BODY}[0].i.length")
+        assert reader.ask(f"{BODY}[0].opacity") == 1
+        reader.select("#mode", 1)
+        assert 0 < reader.ask(f"{BODY}[0].opacity") < 1
+        reader.select("#mode", 2)
+        assert reader.ask(f"{BODY}[0].opacity") == 1 and reader.ask(f"{BODY}[0].i.length") != whole
+        # The section's points lie in one plane.
+        nodes, y = reader.ask(f"Array.from({BODY}[0].k).slice(-20)"), axes_of(reader, f"{BODY}[0]")[1]
+        assert np.ptp(y[nodes]) < 0.2 * np.ptp(y)
 
 
-def read_comparison(driver: Chrome, page: Path) -> None:
-    """Both bodies are driven by one slider and have the same colours; what differs is told."""
-    reader = Reader(driver, page, 1280, 900)
-    bodies = [BODY, BODY.replace("body-plot", "body-plot-2")]
-    before = [reader.ask(f"Array.from({body}[0].y)") for body in bodies]
-    reader.find("#frame").send_keys("\ue010")  # End
-    for body, was in zip(bodies, before):
-        reader.wait(f"JSON.stringify(Array.from({body}[0].y)) !== {json.dumps(json.dumps(was, separators=(',', ':')))}")
-    for part in ("cmax", "colorbar.title.text"):
-        first, second = (reader.ask(f"{body}[0].{part}") for body in bodies)
-        assert first == second, (part, first, second)
-    rows = {cells[0]: cells[1:] for cells in reader.ask(
-        "Array.from(document.querySelectorAll('#scenes tbody tr'), (row) => Array.from(row.cells, (cell) => cell.textContent))")}  # fmt: skip
-    assert rows == {"material.young": ["50.0", "100.0"], "time.end": ["0.3", "0.2"]}, rows
-    results = {cells[0]: cells[1:] for cells in reader.ask(
-        "Array.from(document.querySelectorAll('#results tbody tr'), (row) => Array.from(row.cells, (cell) => cell.textContent))")}  # fmt: skip
-    assert results["Steps"] == ["30", "20", "-10", "-33.3 %"] and results["Unknowns"][2:] == ["0", "0"], results
-    curves = reader.ask("document.getElementById('energies-plot')._fullData.map((trace) => Array.from(trace.y))")
-    for curve, out in zip(curves, (page.parent.parent / "gripper", page.parent)):
+def test_comparison(driver: Chrome, comparison: Path, gripper: Path, stiffer: Path) -> None:
+    """Both bodies are driven by one slider and have the same colours; the page has the differences of scenes and results."""
+    with opened(driver, comparison) as reader:
+        bodies = [BODY, BODY.replace("body-plot", "body-plot-2")]
+        before = [reader.ask(f"Array.from({body}[0].y)") for body in bodies]
+        reader.find("#frame").send_keys(Keys.END)
+        for body, was in zip(bodies, before):
+            reader.wait(f"JSON.stringify(Array.from({body}[0].y)) !== {json.dumps(json.dumps(was, separators=(',', ':')))}")
+        for part in ("cmax", "colorbar.title.text"):
+            first, second = (reader.ask(f"{body}[0].{part}") for body in bodies)
+            assert first == second, part
+        scenes, results = ({cells[0]: cells[1:] for cells in reader.ask(
+            f"Array.from(document.querySelectorAll('#{of} tbody tr'), (row) => Array.from(row.cells, (cell) => cell.textContent))")}
+            for of in ("scenes", "results"))  # fmt: skip
+        assert scenes == {"material.young": ["50.0", "100.0"], "time.end": ["0.3", "0.2"]}
+        assert results["Steps"] == ["30", "20", "-10", "-33.3 %"] and results["Unknowns"][2:] == ["0", "0"]
+        curves = reader.ask("document.getElementById('energies-plot')._fullData.map((trace) => Array.from(trace.y))")
+    assert len(curves) >= 2
+    for curve, out in zip(curves, (gripper, stiffer)):
         steps = table(out / "steps.csv")
-        total = np.array(steps["kinetic_energy"]) + steps["elastic_energy"]
         work = np.cumsum(steps.get("load_work", np.zeros(1)))
-        total = total + (work.max() - work)
+        total = steps["kinetic_energy"] + steps["elastic_energy"] + (work.max() - work)
         assert np.allclose(np.array(curve) / np.max(curve), total / total.max(), rtol=1e-5, atol=0)
-    reader.close()
-    phone = Reader(driver, page, 390, 844)
-    phone.fits()
-    phone.close()
 
 
-def refused(folder: Path, out: Path) -> None:
-    """Two runs are compared, nothing else."""
-    for pair, expected in (((out, folder / "space"), "space"), ((out, folder / "nowhere"), "no such folder")):
-        done = make(*pair)
-        assert done.returncode == 2 and expected in done.stderr and done.stderr.count("\n") == 1, done.stderr
-        assert not done.stdout and not (pair[1] / "comparison.html").exists()
-
-
-def main() -> int:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        gripper = simulate(folder, "gripper", GRIPPER)
-        stiffer = simulate(folder, "stiffer", GRIPPER, material__young=100, time__end=0.2)
-        space = simulate(folder, "space", ON_A_BALL)
-        both = page_of(gripper, stiffer)
-        with_known_tables(gripper)
-        with_known_fields(gripper)
-        with browser(folder / "profile") as driver:
-            read_comparison(driver, both)
-            read_gripper(driver, page_of(gripper))
-            blank_bands(folder, driver)
-            read_space(driver, page_of(space))
-        refused(folder, gripper)
-        print("pages of several obstacles, of known numbers, in space and of two runs are as they should be")
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("other, expected", (("space", "found a body in space"), ("nowhere", "no such folder")))
+def test_not_two_comparable_runs(other: str, expected: str, gripper: Path, space: Path) -> None:
+    folder = space.parent if other == "space" else gripper.parent / other
+    done = make(gripper, folder)
+    assert done.returncode == 2 and expected in done.stderr and done.stderr.count("\n") == 1, done.stderr
+    assert not done.stdout and not (folder / "comparison.html").exists()

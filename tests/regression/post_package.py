@@ -2,13 +2,13 @@
 """signorini.post without the compiled module: it draws the page and the figures of a run, and neither it nor the package starts MPI."""
 
 import os
+import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, signorini  # noqa: E402
+import pytest
+from harness import SOURCE, signorini
 
 DRAWS = """
 import sys
@@ -32,28 +32,36 @@ try:
 except AttributeError:
     pass
 """
+PAGE, ENERGY, FORCE = "report.html", "figures/energy.png", "figures/contact_force.png"
+# What Python runs, and the files that it writes.
+CASES = {
+    "imports": (("-c", DRAWS), set()),
+    "report by its name": (("-m", "signorini.post.report"), {PAGE}),
+    "figures by their name": (("-m", "signorini.post.figures"), {ENERGY, FORCE}),
+    "report by its file": ((SOURCE / "postprocess" / "report.py",), {PAGE}),
+    "a figure by its file": (("site/signorini/post/energy.py",), {ENERGY}),
+}
 
 
-def main() -> int:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        package, out = folder / "site" / "signorini", folder / "out"
-        package.mkdir(parents=True)
-        for module in (SOURCE / "python" / "signorini").glob("*.py"):
-            (package / module.name).symlink_to(module)
-        (package / "post").symlink_to(SOURCE / "postprocess")
-        signorini("simulate", SOURCE / "tests" / "data" / "block.toml", out, time__end=0.3)
-        alone = os.environ | {"PYTHONPATH": str(package.parent)}
-        for words in (["-c", DRAWS, out], ["-m", "signorini.post.report", out], ["-m", "signorini.post.figures", out],
-                      [SOURCE / "postprocess" / "report.py", out], [package / "post" / "energy.py", out]):  # fmt: skip
-            (out / "report.html").unlink(missing_ok=True)
-            done = subprocess.run([sys.executable, *words], env=alone, cwd=folder, capture_output=True, text=True)
-            assert done.returncode == 0 and not done.stderr, (words, done.stdout + done.stderr)
-            assert (out / "report.html").is_file() == ("report" in str(words[:2]) and "-c" not in words), words
-        assert (out / "figures" / "energy.png").is_file() and (out / "figures" / "contact_force.png").is_file()
-    print("signorini.post draws pages and figures without the compiled module, by its name and by its files")
-    return 0
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a run, and with the package in a folder for PYTHONPATH, without the compiled module."""
+    folder = tmp_path_factory.mktemp("post")
+    package = folder / "site" / "signorini"
+    package.mkdir(parents=True)
+    for module in (SOURCE / "python" / "signorini").glob("*.py"):
+        (package / module.name).symlink_to(module)
+    (package / "post").symlink_to(SOURCE / "postprocess")
+    signorini("simulate", SOURCE / "tests" / "data" / "block.toml", folder / "out", time__end=0.3)
+    return folder
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("words, written", CASES.values(), ids=CASES)
+def test_draws(folder: Path, words: tuple[str | Path, ...], written: set[str]) -> None:
+    out = folder / "out"
+    (out / PAGE).unlink(missing_ok=True)
+    shutil.rmtree(out / "figures", ignore_errors=True)
+    done = subprocess.run([sys.executable, *words, out], env=os.environ | {"PYTHONPATH": str(folder / "site")}, cwd=folder,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0 and not done.stderr, done.stdout + done.stderr
+    assert {name for name in (PAGE, ENERGY, FORCE) if (out / name).exists()} == written

@@ -4,12 +4,10 @@
 import json
 import os
 import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SIGNORINI  # noqa: E402
+import pytest
+from harness import HALF_BALL, HALF_DISC, SIGNORINI
 
 # Large enough for the factor to be supernodal and products to be divided.
 CASES = {
@@ -33,33 +31,31 @@ def tables(folder: Path) -> dict[str, list[list[str]]]:
     return {file.name: without_seconds(file.read_text()) for file in folder.glob("*.csv")}
 
 
-def main() -> int:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for case, (verb, scene, *settings) in CASES.items():
-            options = [word for setting in settings for word in ("--set", setting)]
-            found = {}
-            for number in (1, 2, 3):
-                out = folder / f"{case}-{number}"
-                done = run(verb, scene, "--out", str(out), "--threads", str(number), *options)
-                assert done.returncode == 0, done.stderr
-                manifest = json.loads((out / "run.json").read_text())
-                assert manifest["host"]["threads"] == number and "CHOLMOD" in manifest["solver"]
-                assert (f" of {number} threads" in done.stdout) == (number > 1), done.stdout
-                found[number] = tables(out)
-            assert any(float(row[found[1]["steps.csv"][0].index("active")]) > 0 for row in found[1]["steps.csv"][1:]), "no contact"
-            assert found[1] == found[2] == found[3], f"{case}: tables differ"
-            print(f"{case}: {', '.join(found[1])} are the same on one, two and three threads")
-        block = Path(HALF_DISC)
-        for number in ("0", "-1", "two"):
-            done = run("info", block, "--threads", number)
-            assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--threads" in done.stderr, done.stderr
-        few = ("--set", "mesh.size=4", "--set", "time.end=5e-4", "--quiet")
-        for environment, expected in (({"OMP_NUM_THREADS": "3"}, 3), ({"OMP_NUM_THREADS": "1"}, 1)):
-            assert run("simulate", block, "--out", str(folder / "few"), "--replace", *few, **environment).returncode == 0
-            assert json.loads((folder / "few" / "run.json").read_text())["host"]["threads"] == expected
-    return 0
+@pytest.mark.parametrize("case", CASES)
+def test_same_to_the_last_bit(case: str, tmp_path: Path) -> None:
+    verb, scene, *settings = CASES[case]
+    options = [word for setting in settings for word in ("--set", setting)]
+    found = {}
+    for number in (1, 2, 3):
+        out = tmp_path / str(number)
+        done = run(verb, scene, "--out", str(out), "--threads", str(number), *options)
+        assert done.returncode == 0, done.stderr
+        manifest = json.loads((out / "run.json").read_text())
+        assert manifest["host"]["threads"] == number and "CHOLMOD" in manifest["solver"]
+        assert (f" of {number} threads" in done.stdout) == (number > 1)
+        found[number] = tables(out)
+    assert any(float(row[found[1]["steps.csv"][0].index("active")]) > 0 for row in found[1]["steps.csv"][1:]), "no contact"
+    assert found[1] == found[2] == found[3]
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("number", ("0", "-1", "two"))
+def test_no_such_number(number: str) -> None:
+    done = run("info", HALF_DISC, "--threads", number)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--threads" in done.stderr
+
+
+@pytest.mark.parametrize("number", (1, 3))
+def test_number_of_the_environment(number: int, tmp_path: Path) -> None:
+    few = ("--set", "mesh.size=4", "--set", "time.end=5e-4", "--quiet")
+    assert run("simulate", HALF_DISC, "--out", str(tmp_path), "--replace", *few, OMP_NUM_THREADS=str(number)).returncode == 0
+    assert json.loads((tmp_path / "run.json").read_text())["host"]["threads"] == number

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What users and maintainers read is plain: no word that betrays a metaphor, no docstring without a subject, no long message.
 
-    words.py SOURCE
+Each test lists all complaints of its kind; -rP shows how many texts were read.
 """
 
 import ast
 import io
 import re
-import sys
 import tokenize
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+import pytest
+from harness import SOURCE
 
 COLUMNS = 110  # of C++
 LONGEST = 25  # words of a sentence of a message
@@ -90,48 +93,49 @@ def of_page(file: Path) -> Iterator[Text]:
             yield Text(file, number, "page", line)
 
 
-def sentences(message: str) -> list[str]:
-    """Sentences of a message; a placeholder is a word."""
-    return re.split(r"(?<=[.!?])\s+|\\n", message)
+@pytest.fixture(scope="module")
+def cpp() -> list[Path]:
+    return [file for folder in ("cpp", "python/bindings") for file in sorted((SOURCE / folder).rglob("*")) if file.suffix in (".h", ".cpp")]
+
+
+@pytest.fixture(scope="module")
+def texts(cpp: list[Path]) -> list[Text]:
+    python = [file for folder in ("python/signorini", "postprocess") for file in sorted((SOURCE / folder).rglob("*.py"))]
+    pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", *sorted((SOURCE / "docs").rglob("*.md"))]
+    found = [text for files, read in ((cpp, of_cpp), (python, of_python), (pages, of_page)) for file in files for text in read(file)]
+    kinds = Counter(text.kind for text in found)
+    print(", ".join(f"{count} of kind {kind}" for kind, count in kinds.items()))
+    assert all(kinds[kind] > 100 for kind in ("docstring", "member", "comment", "message", "text", "page")), "hardly anything was read"
+    return found
+
+
+def unwanted(text: Text) -> Iterator[str]:
+    for match in UNWANTED.finditer(PUBLIC.sub("", text.words)):
+        plain = next(plain for word, plain in WORDS.items() if re.fullmatch(word, match.group(), re.IGNORECASE))
+        yield f'"{match.group()}" ({plain})'
+
+
+def without_subject(text: Text) -> Iterator[str]:
+    if text.kind == "docstring" and NO_SUBJECT.match(text.words):
+        yield f"a docstring without a subject: {text.words[:60]}"
 
 
 def long_sentences(text: Text) -> Iterator[str]:
-    for sentence in sentences(text.words):
+    """Sentences of messages; a placeholder is a word."""
+    for sentence in re.split(r"(?<=[.!?])\s+|\\n", text.words) if text.kind == "message" else ():
         count = sum(bool(re.search(r"[A-Za-z{]", word)) for word in sentence.split())
         if count > LONGEST:
             yield f"a sentence of {count} words, at most {LONGEST} are meant: {sentence}"
 
 
-def complaints(text: Text) -> Iterator[str]:
-    for match in UNWANTED.finditer(PUBLIC.sub("", text.words)):
-        plain = next(plain for word, plain in WORDS.items() if re.fullmatch(word, match.group(), re.IGNORECASE))
-        yield f'"{match.group()}" ({plain})'
-    if text.kind == "docstring" and NO_SUBJECT.match(text.words):
-        yield f"a docstring without a subject: {text.words[:60]}"
-    if text.kind == "message":
-        yield from long_sentences(text)
+@pytest.mark.parametrize("rule", (unwanted, without_subject, long_sentences))
+def test_rule(rule: Callable[[Text], Iterator[str]], texts: list[Text]) -> None:
+    found = [f"{text.file.relative_to(SOURCE)}:{text.line}: {complaint}" for text in texts for complaint in rule(text)]
+    assert not found, f"{len(found)} complaints:\n" + "\n".join(found)
 
 
-def wide(file: Path) -> Iterator[str]:
-    source = RAW.sub(lambda raw: re.sub(r"[^\n]", "", raw.group()), file.read_text())
-    for number, line in enumerate(source.splitlines(), 1):
-        if len(line) > COLUMNS:
-            yield f"{file}:{number}: {len(line)} columns, at most {COLUMNS} are meant"
-
-
-def main() -> int:
-    root = Path(sys.argv[1])
-    cpp = [file for folder in ("cpp", "python/bindings") for file in sorted((root / folder).rglob("*")) if file.suffix in (".h", ".cpp")]
-    python = [file for folder in ("python/signorini", "postprocess") for file in sorted((root / folder).rglob("*.py"))]
-    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
-    texts = [text for files, read in ((cpp, of_cpp), (python, of_python), (pages, of_page)) for file in files for text in read(file)]
-    found = [f"{text.file.relative_to(root)}:{text.line}: {complaint}" for text in texts for complaint in complaints(text)]
-    found += [line for file in cpp for line in wide(file)]
-    print("\n".join(found))
-    kinds = {kind: sum(text.kind == kind for text in texts) for kind in ("docstring", "member", "comment", "message", "text", "page")}
-    print(", ".join(f"{count} of kind {kind}" for kind, count in kinds.items()) + f"; {len(found)} complaints")
-    return 1 if found else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+def test_columns(cpp: list[Path]) -> None:
+    found = [f"{file.relative_to(SOURCE)}:{number}: {len(line)} columns, at most {COLUMNS} are meant" for file in cpp
+             for number, line in enumerate(RAW.sub(lambda raw: re.sub(r"[^\n]", "", raw.group()), file.read_text()).splitlines(), 1)
+             if len(line) > COLUMNS]  # fmt: skip
+    assert not found, f"{len(found)} complaints:\n" + "\n".join(found)

@@ -1,43 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ways to the same solution agree.
+"""Different solvers find the same solution: condensed, full VI, conjugate gradients; and so do one, two and three ranks."""
 
-    agreement.py SIGNORINI SOURCE solvers|ranks    condensed, full VI, conjugate gradients; one, two and three ranks
-"""
-
-import sys
-import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SOURCE, relative, signorini, table  # noqa: E402
-
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
-
+import numpy as np
+import pytest
+from agreeing import optimize_on_ranks, same_sets
+from harness import HALF_BALL, HALF_DISC, SOURCE, signorini, stored, table
 
 # The half ball at its reference control, coarse enough to be quick.
 PUSHED = {"control__initial": ["0", "0", "-1"], "mesh__size": 3, "time__step": 2.5e-4}
 # 9 degrees off the horizontal, 0.56 m below the ball: it touches beside its lowest point, and is pushed along the plane.
 TILTED = {"contact__obstacle__point": [0, 0, -15.75], "contact__obstacle__normal": [0.1, -0.12, 1]}
-
-
-def displacements(out: Path) -> list[np.ndarray]:
-    """One array per stored time."""
-    with h5py.File(out / "state.h5") as file:
-        states = file["Function/displacement"]
-        return [states[name][:] for name in sorted(states)]
-
-
-def same_sets(a: Path, b: Path) -> bool:
-    """Whether the same candidates carry a force at all steps."""
-    ta, tb = table(a / "contact.csv"), table(b / "contact.csv")
-    for obstacle in np.unique(ta["obstacle"]) if "obstacle" in ta else [None]:
-        own = ta["obstacle"] == obstacle if obstacle is not None else slice(None)
-        assert (ta["force"][own] > 0).any(), "no contact: the comparison says nothing"
-    places = all(np.allclose(ta[axis], tb[axis], rtol=0, atol=1e-9) for axis in "xyz" if axis in ta)
-    return np.array_equal(ta["force"] > 0, tb["force"] > 0) and places
-
-
 BLOCK, CUBE = SOURCE / "tests/data/block.toml", SOURCE / "tests/data/cube.toml"
 
 
@@ -60,103 +34,93 @@ CORNER = {"initial__velocity": ["-1", "-1"],
 CORNER_IN_SPACE = {"initial__velocity": ["-1", "-1", "-1"],
                    "contact": [half_space("bottom", [0, 0, -0.1], [0.1, 0, 1]), half_space("left", [-0.1, 0, 0], [1, 0, 0.2]),
                                half_space("boundary", [0, -0.1, 0], [0, 1, 0])]}  # fmt: skip
-# Four walls for every node, of which three always depend on each other, and one moves.
+# Four walls for every node: three of them always depend on each other, and one moves.
 BOX = {"initial__velocity": ["-1.5", "-1"], "time__end": 0.8,
        "contact": [half_space("boundary", ["-0.1 + 0.2*t", 0], [1, 0]), half_space("boundary", [1.05, 0], [-1, 0]),
                    half_space("boundary", [0, -0.1], [0, 1]), half_space("boundary", [0, 1.1], [0.1, -1])]}  # fmt: skip
 
-FULL, ITERATIVE = ("full VI", {"solver__vi": "full"}, 1e-10), ("conjugate gradients", {"solver__linear": "iterative"}, None)
+SOLVERS = {"full VI": ({"solver__vi": "full"}, 1e-10), "conjugate gradients": ({"solver__linear": "iterative"}, None)}
+ONE_OBSTACLE = tuple(SOLVERS)  # the full VI takes one obstacle per node
+SEVERAL = ("conjugate gradients",)
+# Conjugate gradients leave 1e-12 of the solution's size at each of up to 150 steps; of 40 at most in the block's and cube's.
+CASES = {
+    "half disc": (HALF_DISC, {"control__initial": ["0", "-1"]}, ONE_OBSTACLE, 1e-9),
+    "half disc, degree 2": (HALF_DISC, {"control__initial": ["0", "-1"], "mesh__size": 1.5, "mesh__degree": 2}, ONE_OBSTACLE, 1e-9),
+    "block on a tilted plane": (BLOCK, {"mesh__size": 0.1}, ONE_OBSTACLE, 1e-10),
+    "block on a ball": (BLOCK, {"mesh__size": 0.1, "contact__obstacle": BALL}, ONE_OBSTACLE, 1e-10),
+    "block between a ball and a plane": (BLOCK, OPPOSITE | {"mesh__size": 0.1}, ONE_OBSTACLE, 1e-10),
+    "block in a corner": (BLOCK, CORNER | {"mesh__size": 0.1}, SEVERAL, 1e-10),
+    "block in a box": (BLOCK, BOX | {"mesh__size": 0.1}, SEVERAL, 1e-10),
+    "block, contact-stabilized": (BLOCK, {"mesh__size": 0.1, "time__scheme": "contact-stabilized"}, ONE_OBSTACLE, 1e-10),
+    "block, massless": (BLOCK, {"mesh__size": 0.1, "contact__mass": "massless"}, ONE_OBSTACLE, 1e-10),
+    "cube, contact-stabilized": (CUBE, {"time__scheme": "contact-stabilized"}, ONE_OBSTACLE, 1e-10),
+    "cube, massless": (CUBE, {"contact__mass": "massless"}, ONE_OBSTACLE, 1e-10),
+    "half ball": (HALF_BALL, PUSHED, ONE_OBSTACLE, 1e-9),
+    "half ball, degree 2": (HALF_BALL, PUSHED | {"mesh__size": 4, "mesh__degree": 2}, ONE_OBSTACLE, 1e-9),
+    "half ball on a tilted plane": (HALF_BALL, PUSHED | TILTED, ONE_OBSTACLE, 1e-9),
+    "half ball on a ball": (HALF_BALL, PUSHED | {"contact": ball("contact", [0.5, -0.3, -23.5], 8)}, ONE_OBSTACLE, 1e-9),
+    "cube between a ball and a plane": (CUBE, OPPOSITE_IN_SPACE, ONE_OBSTACLE, 1e-10),
+    "cube in a corner": (CUBE, CORNER_IN_SPACE, SEVERAL, 1e-10),
+}
 
 
-def compare_solvers(folder: Path) -> bool:
-    holds = True
-    both, iterative = (FULL, ITERATIVE), (ITERATIVE,)  # the full VI takes one obstacle per node
-    # Conjugate gradients leave 1e-12 of the solution's size at each of up to 150 steps; of 40 at most in the block's and cube's.
-    cases = [("half-disc", HALF_DISC, {"control__initial": ["0", "-1"]}, both, 1e-9),
-             ("half-disc, degree 2", HALF_DISC, {"control__initial": ["0", "-1"], "mesh__size": 1.5, "mesh__degree": 2}, both, 1e-9),
-             ("block on a tilted plane", BLOCK, {"mesh__size": 0.1}, both, 1e-10),
-             ("block on a ball", BLOCK, {"mesh__size": 0.1, "contact__obstacle": BALL}, both, 1e-10),
-             ("block between a ball and a plane", BLOCK, OPPOSITE | {"mesh__size": 0.1}, both, 1e-10),
-             ("block in a corner", BLOCK, CORNER | {"mesh__size": 0.1}, iterative, 1e-10),
-             ("block in a box", BLOCK, BOX | {"mesh__size": 0.1}, iterative, 1e-10),
-             ("block, contact-stabilized", BLOCK, {"mesh__size": 0.1, "time__scheme": "contact-stabilized"}, both, 1e-10),
-             ("block, massless", BLOCK, {"mesh__size": 0.1, "contact__mass": "massless"}, both, 1e-10),
-             ("cube, contact-stabilized", CUBE, {"time__scheme": "contact-stabilized"}, both, 1e-10),
-             ("cube, massless", CUBE, {"contact__mass": "massless"}, both, 1e-10),
-             ("half ball", HALF_BALL, PUSHED, both, 1e-9),
-             ("half ball, degree 2", HALF_BALL, PUSHED | {"mesh__size": 4, "mesh__degree": 2}, both, 1e-9),
-             ("half ball on a tilted plane", HALF_BALL, PUSHED | TILTED, both, 1e-9),
-             ("half ball on a ball", HALF_BALL, PUSHED | {"contact": ball("contact", [0.5, -0.3, -23.5], 8)}, both, 1e-9),
-             ("cube between a ball and a plane", CUBE, OPPOSITE_IN_SPACE, both, 1e-10),
-             ("cube in a corner", CUBE, CORNER_IN_SPACE, iterative, 1e-10)]  # fmt: skip
-    for name, scene, overrides, others, tolerance in cases:
-        condensed = folder / "condensed"
-        if scene in (HALF_DISC, HALF_BALL):  # whose desired motion would be simulated beside
-            overrides = {"objective__desired": {"displacement": ["0", "0", "0"][: 2 if scene == HALF_DISC else 3]}} | overrides
-        signorini("simulate", scene, condensed, solver__linear="direct", **overrides)
-        for title, other, own_tolerance in others:
-            out = folder / "other"
-            signorini("simulate", scene, out, **(overrides | other))
-            pairs = list(zip(displacements(condensed), displacements(out), strict=True))
-            size = np.max([abs(a).max() for a, _ in pairs])
-            difference = np.max([abs(a - b).max() for a, b in pairs]) / size
-            sets = same_sets(condensed, out)
-            print(f"{name}: condensed and {title} differ by {difference:.1e} of the largest displacement, "
-                  f"active sets {'equal' if sets else 'differ'} at all {len(pairs) - 1} steps")  # fmt: skip
-            holds &= difference <= (own_tolerance or tolerance) and sets
-    return holds
+def simulate(case: str, out: Path, **solver: object) -> None:
+    scene, overrides, _, _ = CASES[case]
+    if scene in (HALF_DISC, HALF_BALL):  # whose desired motion would be simulated beside
+        overrides = {"objective__desired": {"displacement": ["0", "0", "0"][: 2 if scene == HALF_DISC else 3]}} | overrides
+    signorini("simulate", scene, out, **(overrides | solver))
 
 
-def compare_contact_over_ranks(folder: Path, name: str, scene: Path, **overrides: object) -> bool:
-    """Gaps and forces between several obstacles, whose numbering does not depend on the ranks."""
+@pytest.fixture(scope="module")
+def condensed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """A case, and its run by the condensed problem."""
+    out = tmp_path_factory.mktemp("condensed")
+    simulate(request.param, out, solver__linear="direct")
+    return request.param, out
+
+
+@pytest.mark.parametrize("condensed, solver", [(case, solver) for case in CASES for solver in CASES[case][2]], indirect=["condensed"])
+def test_solvers(condensed: tuple[str, Path], solver: str, tmp_path: Path) -> None:
+    case, expected = condensed
+    overrides, own_tolerance = SOLVERS[solver]
+    simulate(case, tmp_path, **overrides)
+    (_, _, a), (_, _, b) = (stored(out, "state", "displacement") for out in (expected, tmp_path))
+    assert a.shape == b.shape
+    difference = abs(a - b).max() / abs(a).max()
+    print(f"difference {difference:.1e} of the largest displacement")
+    assert difference <= (own_tolerance or CASES[case][3])
+    assert same_sets(expected, tmp_path), "the active sets differ"
+
+
+ON_RANKS = {
+    "block in a box": (BLOCK, BOX),
+    "cube, massless": (CUBE, {"contact__mass": "massless"}),
+    "cube, contact-stabilized": (CUBE, {"time__scheme": "contact-stabilized"}),
+    "cube in a corner": (CUBE, CORNER_IN_SPACE),
+}
+
+
+@pytest.mark.parametrize("scene, overrides", ON_RANKS.values(), ids=ON_RANKS)
+def test_contact_on_ranks(scene: Path, overrides: dict[str, object], tmp_path: Path) -> None:
+    """Gaps, forces and pressures between several obstacles, whose numbering does not depend on the ranks."""
     tables = []
     for ranks in (1, 2, 3):
-        out = folder / f"ranks-{ranks}"
+        out = tmp_path / f"ranks-{ranks}"
         signorini("simulate", scene, out, ranks, output__fields=[], **overrides)
         tables.append(table(out / "contact.csv"))
-        assert same_sets(folder / "ranks-1", out)
-        assert "obstacle" not in tables[0] or np.array_equal(tables[0]["obstacle"], tables[-1]["obstacle"])
-    worst = np.max([abs(other[key] - tables[0][key]).max() / abs(tables[0][key]).max() for other in tables[1:] for key in ("gap", "force", "area", "pressure")])
-    print(f"{name}: gaps, forces and pressures over the ranks differ by {worst:.1e} of the largest")
-    return worst <= 1e-9
+        first, contact = tables[0], tables[-1]
+        assert same_sets(tmp_path / "ranks-1", out), f"{ranks} ranks: the active sets differ"
+        assert "obstacle" not in first or np.array_equal(first["obstacle"], contact["obstacle"])
+        for name in ("gap", "force", "area", "pressure"):
+            assert abs(contact[name] - first[name]).max() / abs(first[name]).max() <= 1e-9, f"{name} on {ranks} ranks"
 
 
-def compare_ranks(folder: Path, scene: Path, iterations: int = 3, **overrides: object) -> bool:
-    """J and |g| at a fixed control; after some iterations too, where the step lengths, which come from small
-    differences of J, have amplified the rounding."""
-    histories = []
-    for ranks in (1, 2, 3):
-        out = folder / f"ranks-{ranks}"
-        signorini("optimize", scene, out, ranks, optimizer__max_iterations=iterations, optimizer__start="guess", output__fields=[],
-                  **overrides)
-        histories.append(table(out / "history.csv"))
-        print("{} ranks: J = {:.15e}, |g| = {:.15e}; after {} iterations {:.15e}, {:.15e}".format(
-            ranks, *(histories[-1][key][0] for key in ("objective", "gradient_norm")), iterations,
-            *(histories[-1][key][iterations] for key in ("objective", "gradient_norm"))))  # fmt: skip
-        assert same_sets(folder / "ranks-1", out)
-
-    def worst(row: int) -> float:
-        return np.max([relative(other[key][row], histories[0][key][row])
-                   for other in histories[1:] for key in ("objective", "gradient_norm")])  # fmt: skip
-
-    print(f"{scene.stem}: largest relative difference over the ranks {worst(0):.1e}, after {iterations} iterations {worst(iterations):.1e}")
-    return worst(0) <= 1e-9 and worst(iterations) <= 1e-6
+SOUGHT = {
+    "half disc": (HALF_DISC, {"control__initial": ["0", "-0.9"]}),
+    "half ball": (HALF_BALL, PUSHED | {"control__initial": ["0", "0", "-0.9"]}),
+}
 
 
-def compare_all_ranks(folder: Path) -> bool:
-    return all([compare_contact_over_ranks(folder, "block in a box", BLOCK, **BOX),
-                compare_contact_over_ranks(folder, "cube, massless", CUBE, contact__mass="massless"),
-                compare_contact_over_ranks(folder, "cube, contact-stabilized", CUBE, time__scheme="contact-stabilized"),
-                compare_contact_over_ranks(folder, "cube in a corner", CUBE, **CORNER_IN_SPACE),
-                compare_ranks(folder, HALF_DISC, control__initial=["0", "-0.9"]),
-                compare_ranks(folder, HALF_BALL, **(PUSHED | {"control__initial": ["0", "0", "-0.9"]}))])  # fmt: skip
-
-
-def main() -> int:
-    part = {"solvers": compare_solvers, "ranks": compare_all_ranks}[sys.argv[3]]
-    with tempfile.TemporaryDirectory() as folder:
-        return 0 if part(Path(folder)) else 1
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+@pytest.mark.parametrize("scene, overrides", SOUGHT.values(), ids=SOUGHT)
+def test_optimum_on_ranks(scene: Path, overrides: dict[str, object], tmp_path: Path) -> None:
+    optimize_on_ranks(tmp_path, scene, **overrides)

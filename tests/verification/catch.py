@@ -5,21 +5,19 @@ Momentum, and angular momentum about the origin, change by the impulses of tract
 translations and the linearised rotation strain nothing, so they belong to a free body's discrete motions.
 """
 
-import sys
-import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, Figures, boundary, signorini, stored, table  # noqa: E402
-
-import numpy as np  # noqa: E402
+import numpy as np
+import pytest
+from harness import SOURCE, boundary, signorini, stored, table
 
 SCENE = SOURCE / "scenes" / "catch.toml"
 STEP, END, THROW = 5e-3, 1.5, 1.0  # s, s, m/s
 PLACE, WALL = 0.202, 0.302  # m from the start
 TRACTION = 1.0  # N/m², the bound
 ALPHA, GAMMA = 1e-4, 0.1
-# Of 300 steps that are each right to about 1e-14 of the forces in contact, of which a whole impulse is the sum.
+# Of 300 steps that are each right to about 1e-14 of the forces in contact; a whole impulse is their sum.
 ROUNDING = 1e-11
 
 
@@ -59,12 +57,6 @@ def hand(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return edges, np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
 
 
-def momenta(out: Path) -> tuple[float, np.ndarray]:
-    """Mass, and momentum and angular momentum at all times; density 1."""
-    points, cells, velocity = stored(out, "state", "velocity")
-    return areas(points, cells).sum(), products(points, cells, areas(points, cells), velocity[:, :, :2])
-
-
 def contact_forces(out: Path) -> np.ndarray:
     """Resultant and moment at all steps; the wall pushes to the left."""
     contact = table(out / "contact.csv")
@@ -82,76 +74,119 @@ def mean_displacement(out: Path) -> np.ndarray:
     return products(points, cells, size, y[:, :, :2])[:, 0] / size.sum()
 
 
-def left_alone(out: Path, figures: Figures) -> None:
+@dataclass
+class Run:
+    out: Path
+    steps: dict[str, np.ndarray]
+    mass: float  # kg/m; density 1
+    momenta: np.ndarray  # times × (momentum, angular momentum)
+    contact: np.ndarray  # forces and moments, steps × 3
+
+
+def read(out: Path) -> Run:
+    points, cells, velocity = stored(out, "state", "velocity")
+    size = areas(points, cells)
+    return Run(out, table(out / "steps.csv"), size.sum(), products(points, cells, size, velocity[:, :, :2]), contact_forces(out))
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """The disc without control."""
+    out = tmp_path_factory.mktemp("alone")
     signorini("simulate", SCENE, out, control__initial=["0", "0"])
-    steps = table(out / "steps.csv")
-    mass, momentum = momenta(out)
-    forces = contact_forces(out)
-    touching = steps["step"][steps["active"] > 0]
-    assert len(touching) > 10, "hardly any contact: the case says nothing"
-    print("left alone:")
-    figures.show("first step in contact", touching[0], np.ceil(WALL / THROW / STEP), 0)
-    figures.show("contact force of steps.csv and contact.csv, N/m", abs(steps["contact_force_x"][1:] - forces[:, 0]).max(), 0,
-                 1e-12 * abs(forces).max())  # fmt: skip
-    largest = mass * THROW
-    figures.show("worst change of momenta without its impulse", abs(np.diff(momentum, axis=0) - STEP * forces).max() / largest,
-                 0, ROUNDING)  # fmt: skip
-    speed = momentum[-1, 0] / mass
-    # Some energy goes with waves and the contact, none comes.
-    figures.show("speed of the rebound, m/s", speed, -THROW, 0.2 * THROW)
-    # Then it flies until the end, from where the impact left it: within as much as the body gives way in 0.1 s of contact.
-    flight = END - STEP * touching[-1]
-    figures.show("mean displacement at the end, m", mean_displacement(out)[-1], WALL + speed * flight, 0.1 * THROW)
+    run = read(out)
+    assert (run.steps["active"] > 0).sum() > 10, "hardly any contact: the case says nothing"
+    return run
 
 
-def caught(out: Path, figures: Figures) -> None:
+@dataclass
+class Control:
+    """The optimal traction of a run."""
+
+    edges: np.ndarray
+    lengths: np.ndarray
+    values: np.ndarray  # steps × nodes × 2
+    forces: np.ndarray  # resultants and moments, steps × 3
+
+
+@pytest.fixture(scope="module")
+def caught(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    out = tmp_path_factory.mktemp("caught")
     signorini("optimize", SCENE, out)
-    steps, history = table(out / "steps.csv"), table(out / "history.csv")
-    mass, momentum = momenta(out)
-    forces = contact_forces(out)
-    points, cells, u = stored(out, "control", "control")
+    run = read(out)
+    assert (run.steps["active"] > 0).sum() >= 10, "hardly any contact: the case says nothing"
+    return run
+
+
+@pytest.fixture(scope="module")
+def control(caught: Run) -> Control:
+    points, cells, u = stored(caught.out, "control", "control")
     edges, lengths = hand(points, cells)
     u = u[:, :, :2]
-    on = np.unique(edges)
-    assert not np.delete(u, on, axis=1).any(), "the control acts beside the group that it is for"
-    traction = products(points, edges, lengths, u)
-    print("caught:")
-    figures.least("steps in contact", (steps["active"] > 0).sum(), 10)
-    figures.least("impulse of the wall, N s/m", -STEP * forces[:, 0].sum(), 0.1 * mass * THROW)
-    change = np.diff(momentum, axis=0) - STEP * (forces + traction)
-    figures.show("worst change of momenta without its impulse", abs(change).max() / (mass * THROW), 0, ROUNDING)
-    total = STEP * (forces + traction).sum(axis=0)
-    figures.show("momentum gained, N s/m: that of all impulses", momentum[-1, 0] - momentum[0, 0], total[0],
-                 ROUNDING * mass * THROW)  # fmt: skip
+    return Control(edges, lengths, u, products(points, edges, lengths, u))
 
-    distance = abs(mean_displacement(out)[-1] - PLACE)
-    speed = np.linalg.norm(momentum[-1, :2]) / mass
-    # Left alone from then on, the disc stays between the place and the wall for longer than all this took.
-    figures.show("distance from the place at the end, m", distance, 0, (WALL - PLACE) / 10)
-    figures.show("speed at the end, m/s", speed, 0, (WALL - PLACE - distance) / END)
-    # What is left of the motion within the body is of the order of that of the whole.
-    kinetic = steps["kinetic_energy"][-1] / (mass * THROW**2 / 2)
-    figures.show("kinetic energy at the end / of the throw", kinetic, 0, 2 * ((WALL - PLACE) / END / THROW) ** 2)
 
-    J = history["objective"]
-    _, _, y = stored(out, "state", "displacement")
-    own = objective(squares(points, cells, areas(points, cells), y[:, :, :2] - [PLACE, 0]), squares(points, edges, lengths, u))
+def test_alone_first_contact(alone: Run) -> None:
+    assert alone.steps["step"][alone.steps["active"] > 0][0] == np.ceil(WALL / THROW / STEP)
+
+
+def test_alone_forces_of_both_tables(alone: Run) -> None:
+    forces = alone.contact
+    assert alone.steps["contact_force_x"][1:] == pytest.approx(forces[:, 0], abs=1e-12 * abs(forces).max())
+
+
+def test_alone_momenta_change_by_impulses(alone: Run) -> None:
+    change = np.diff(alone.momenta, axis=0) - STEP * alone.contact
+    assert abs(change).max() / (alone.mass * THROW) <= ROUNDING
+
+
+def test_alone_rebound(alone: Run) -> None:
+    speed = alone.momenta[-1, 0] / alone.mass
+    # Waves and contact take some energy, and add none.
+    assert speed == pytest.approx(-THROW, abs=0.2 * THROW), "m/s"
+    # Then it flies until the end, from where the impact left it: within the body's compression in 0.1 s of contact.
+    flight = END - STEP * alone.steps["step"][alone.steps["active"] > 0][-1]
+    assert mean_displacement(alone.out)[-1] == pytest.approx(WALL + speed * flight, abs=0.1 * THROW), "m"
+
+
+def test_control_acts_on_its_group_alone(control: Control) -> None:
+    assert not np.delete(control.values, np.unique(control.edges), axis=1).any()
+
+
+def test_caught_off_the_wall(caught: Run) -> None:
+    assert -STEP * caught.contact[:, 0].sum() >= 0.1 * caught.mass * THROW, "impulse of the wall, N s/m"
+
+
+def test_caught_momenta_change_by_impulses(caught: Run, control: Control) -> None:
+    impulses = STEP * (caught.contact + control.forces)
+    assert abs(np.diff(caught.momenta, axis=0) - impulses).max() / (caught.mass * THROW) <= ROUNDING
+    gained = caught.momenta[-1, 0] - caught.momenta[0, 0]
+    assert gained == pytest.approx(impulses.sum(axis=0)[0], abs=ROUNDING * caught.mass * THROW), "N s/m"
+
+
+def test_caught_at_its_place(caught: Run) -> None:
+    distance = abs(mean_displacement(caught.out)[-1] - PLACE)
+    speed = np.linalg.norm(caught.momenta[-1, :2]) / caught.mass
+    # Left alone from then on, the disc stays between the place and the wall for longer than the whole motion took.
+    assert distance <= (WALL - PLACE) / 10, "m"
+    assert speed <= (WALL - PLACE - distance) / END, "m/s"
+    # The remaining motion within the body is of the order of that of the whole.
+    kinetic = caught.steps["kinetic_energy"][-1] / (caught.mass * THROW**2 / 2)
+    assert kinetic <= 2 * ((WALL - PLACE) / END / THROW) ** 2
+
+
+def test_objective(caught: Run, control: Control) -> None:
+    J = table(caught.out / "history.csv")["objective"]
+    points, cells, y = stored(caught.out, "state", "displacement")
+    own = objective(squares(points, cells, areas(points, cells), y[:, :, :2] - [PLACE, 0]),
+                    squares(points, control.edges, control.lengths, control.values))  # fmt: skip
     # Sums of some hundred terms of one sign each.
-    figures.show("objective / that of the stored fields", J[-1] / own, 1, 1e-12)
-    figures.least("objective of the first guess / this", J[0] / J[-1], 50)
-    assert (np.diff(J) < 0).all(), "J rose"
-    figures.show("largest traction, N/m²", abs(u).max(), TRACTION, 0)
-    # Braking with all there is, and then pulling back the same way.
-    figures.least("part of the tractions' values along x at a bound", (abs(u[:, on, 0]) == TRACTION).mean(), 0.05)
+    assert J[-1] / own == pytest.approx(1, abs=1e-12)
+    assert J[0] / J[-1] >= 50
+    assert (np.diff(J) < 0).all()
 
 
-def main() -> int:
-    figures = Figures()
-    with tempfile.TemporaryDirectory() as folder:
-        left_alone(Path(folder), figures)
-        caught(Path(folder), figures)
-    return 1 if figures.failed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+def test_bounds_of_the_control(control: Control) -> None:
+    assert abs(control.values).max() == TRACTION
+    # It brakes with the largest traction, and later pulls back with it.
+    assert (abs(control.values[:, np.unique(control.edges), 0]) == TRACTION).mean() >= 0.05

@@ -8,14 +8,13 @@ like √(8a)/(3R) d^(3/2) at the distance d, and d ≤ h/2 at the third node: th
 third node is of the order 1.5, and so is the dip.
 """
 
-import sys
-import tempfile
+import functools
+from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, Figures, boundary, signorini, stored, table  # noqa: E402
-
-import numpy as np  # noqa: E402
+import numpy as np
+import pytest
+from harness import HALF_BALL, HALF_DISC, boundary, signorini, stored, table
 
 RADIUS = 15.0
 SIZES = (2.0, 1.0, 0.5, 0.25)
@@ -39,20 +38,20 @@ def hertz(half_width: float, h: float) -> float:
     return np.sqrt(half_width) * h**1.5 / (24 * RADIUS)
 
 
-def show(title: str, nodes: np.ndarray, forces: np.ndarray, inner: np.ndarray, h: float, bound: float, figures: Figures) -> float:
-    """Judges the least gaps of the edges or faces (steps × these) whose longest edge is h; returns the deepest dip."""
+def deepest(nodes: np.ndarray, forces: np.ndarray, inner: np.ndarray, h: float, bound: float) -> float:
+    """The deepest dip, from the least gaps of the edges or faces (steps × these) whose longest edge is h. Fails beyond the bound."""
     assert (nodes >= -ROUNDING).all(), "a node is in the obstacle"
     touching = (forces > 0).sum(axis=1)
     assert (touching > 0).sum() > 10 and touching.max() > 4, "hardly any contact: the case says nothing"
     dip = -inner.min()
     dipping = (inner < -ROUNDING).sum(axis=1)
-    print(f"{title}: at most {touching.max()} nodes in contact, the longest edge is {h:.3f} m; dip {dip:.2e} m, {dip / h:.2%} of it "
+    print(f"at most {touching.max()} nodes in contact, the longest edge is {h:.3f} m; dip {dip:.2e} m, {dip / h:.2%} of it "
           f"and {dip / (2 * RADIUS):.1e} of the diameter; at most {dipping.max()} edges or faces dip")  # fmt: skip
-    figures.show("dip / Hertz's bound", dip / bound, 0, MOTION)
+    assert dip / bound <= MOTION, "beyond Hertz's bound"
     return dip
 
 
-def half_disc(size: float, out: Path, figures: Figures) -> tuple[float, float]:
+def half_disc(size: float, out: Path) -> tuple[float, float]:
     """The dip and the edge length."""
     signorini("simulate", HALF_DISC, out, mesh__size=size, mesh__degree=2, control__initial=["0", "-1"], output__fields=[])
     points, gap, force = candidates(out, "xy")
@@ -66,7 +65,7 @@ def half_disc(size: float, out: Path, figures: Figures) -> tuple[float, float]:
     least = np.minimum(0, first + slope * lowest + curvature * lowest**2)
     h = np.linalg.norm(points[2::2] - points[:-2:2], axis=1).max()
     half_width = np.maximum(abs(points[:, 0])[(force > 0).any(axis=0)].max(), h)
-    return show(f"half disc, size {size:g} m", gap, force, least, h, hertz(half_width, h), figures), h
+    return deepest(gap, force, least, h, hertz(half_width, h)), h
 
 
 def shape_functions(count: int) -> np.ndarray:
@@ -75,7 +74,27 @@ def shape_functions(count: int) -> np.ndarray:
     return np.column_stack([a * (2 * a - 1), 4 * a[:, 0] * a[:, 1], 4 * a[:, 1] * a[:, 2], 4 * a[:, 0] * a[:, 2]])
 
 
-def half_ball(size: float, step: float, out: Path, figures: Figures) -> None:
+@pytest.fixture(scope="module")
+def disc(tmp_path_factory: pytest.TempPathFactory) -> Callable[[float], tuple[float, float]]:
+    """half_disc() by size; each motion is computed once."""
+    return functools.cache(lambda size: half_disc(size, tmp_path_factory.mktemp("disc") / "out"))
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_half_disc(disc: Callable, size: float) -> None:
+    disc(size)
+
+
+def test_order(disc: Callable) -> None:
+    dips, lengths = np.transpose([disc(size) for size in SIZES])
+    print("orders", ", ".join(f"{order:.2f}" for order in np.log(dips[:-1] / dips[1:]) / np.log(lengths[:-1] / lengths[1:])))
+    # Where an edge ends beside the end of contact is accidental; halfway to order 1, that of a dip in proportion to the edge.
+    assert float(np.polyfit(np.log(lengths), np.log(dips), 1)[0]) >= 1.25, "order 1.5 is expected"
+
+
+@pytest.mark.parametrize("size, step", BALL.items(), ids=[f"{size:g}" for size in BALL])
+def test_half_ball(size: float, step: float, tmp_path: Path) -> None:
+    out = tmp_path / "out"
     signorini("simulate", HALF_BALL, out, mesh__size=size, mesh__degree=2, time__step=step, control__initial=["0", "0", "-1"],
               output__fields=["displacement"])  # fmt: skip
     corners, cells, _ = stored(out, "state", "displacement")
@@ -91,23 +110,4 @@ def half_ball(size: float, step: float, out: Path, figures: Figures) -> None:
     least = np.minimum(0, np.einsum("pn,sfn->sfp", shape_functions(20), gap[:, faces]).min(axis=2))
     h = np.max([np.linalg.norm(points[faces[:, i]] - points[faces[:, j]], axis=1).max() for i, j in ((0, 1), (1, 2), (0, 2))])
     half_width = np.maximum(np.linalg.norm(points[:, :2], axis=1)[(force > 0).any(axis=0)].max(), h)
-    show(f"half ball, size {size:g} m", gap, force, least, h, 4 / np.pi * hertz(half_width, h), figures)
-
-
-def main() -> int:
-    figures = Figures()
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "out"
-        found = np.array([half_disc(size, out, figures) for size in SIZES])
-        for size, step in BALL.items():
-            half_ball(size, step, out, figures)
-    # Where an edge ends beside the end of contact is accidental; halfway to order 1, that of a dip in proportion to the edge.
-    orders = np.log(found[:-1, 0] / found[1:, 0]) / np.log(found[:-1, 1] / found[1:, 1])
-    print("half disc: orders", ", ".join(f"{order:.2f}" for order in orders))
-    fit = float(np.polyfit(np.log(found[:, 1]), np.log(found[:, 0]), 1)[0])
-    figures.least("half disc: order of the dip, 1.5 expected", fit, 1.25)
-    return 1 if figures.failed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    deepest(gap, force, least, h, 4 / np.pi * hertz(half_width, h))

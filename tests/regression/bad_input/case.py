@@ -202,7 +202,7 @@ def with_space_element(*elements: Element) -> list[Element]:
 
 
 def before(text: str, mark: str, lines: int = 0) -> str:
-    """What a text holds before a mark and some lines behind it: a file whose writing was cut short."""
+    """The start of a text up to some lines behind a mark: a file whose writing was cut short."""
     start = text.index(mark)
     return text[:start] + "".join(text[start:].splitlines(keepends=True)[:lines])
 
@@ -256,7 +256,7 @@ class Case:
     options: tuple[str, ...] = ()
     command: tuple[str, ...] | None = None  # the whole command line, in place of verb and options
     out: str = "results"
-    earlier: bool = False  # the folder holds an earlier run's results
+    earlier: bool = False  # the folder has an earlier run's results
     prepare: Callable[[Path], None] | None = None  # last change to the folder of the case
     largest_file: int | None = None  # bytes that a file can grow to, as on a full disk
     ranks: int = 1

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Without viscosity: energy stays where there is no contact, and never rises through tens of impacts.
 
-Energy is the kinetic, the elastic and, of a constant load, the potential one, E_k − Σ f·(y_j − y_{j−1}). Without contact the
+Energy is the kinetic, the elastic and, under a constant load, the potential one, E_k − Σ f·(y_j − y_{j−1}). Without contact the
 steps keep it exactly. A body that rings in its place keeps it to 1e-12 in 10,000 steps: ten roundings of the energy in a
-step (ε = 2e-16, a few each for kinetic and elastic energy) add up as a walk does to √10,000 · 10 ε = 2e-13. One that flies
-off loses digits of its deformation beside the way it has come, so that a step rounds as in time_steps.
+step (ε = 2e-16, a few each for kinetic and elastic energy) add up as a random walk does to √10,000 · 10 ε = 2e-13. One that
+flies off loses digits of its deformation beside the distance that it has covered, so that a step rounds as in schemes.rounding.
 
 Impacts are counted from the series of contact forces: of a body between two walls every change of the wall that pushes;
 under gravity every force after a flight of at least 20 steps, in which a wave runs across the body and back. How many there are
@@ -12,14 +12,11 @@ until most of the energy is in the body's vibrations is chaotic: the last digits
 78 or 130.
 """
 
-import sys
-import tempfile
 from pathlib import Path
 
-from table import SCHEMES, Table, energy, run
-from time_steps import rounding
-
 import numpy as np
+import pytest
+from schemes import SCHEMES, energy, rounding, run
 
 MESH = """
 Point(1) = {0, 0, 0};  Point(2) = {0, -1, 0};  Point(3) = {1, 0, 0};  Point(4) = {0, 1, 0};  Point(5) = {-1, 0, 0};
@@ -50,20 +47,7 @@ STEP = 0.02  # s
 COURANT = 0.6  # waves run 12 m/s
 STEPS = 10_000
 IMPACTS = 50
-
-
-def change_of_energy(folder: Path, text: str, over: dict) -> tuple[float, int]:
-    """Largest change in 10,000 steps, of the first energy; steps in contact."""
-    scene = folder / "free.toml"
-    scene.write_text(BODY.format(end=STEPS * STEP, step=STEP, every=STEPS) + text)
-    found, _ = run("simulate", scene, folder / "out", **over)
-    total = energy(found)
-    return abs(total / total[0] - 1).max(), int((found["active"] > 0).sum())
-
-
-def ringing(folder: Path, over: dict) -> tuple[float, float, int]:
-    """Change of energy of a body that rings, held at its middle, what it may be, and steps in contact."""
-    change, contact = change_of_energy(folder, """
+RINGING = """
 [[clamp]]
 on = "middle"
 [contact]
@@ -71,79 +55,74 @@ on = "lower"
 obstacle = { shape = "half-space", point = [0, -2], normal = [0, 1] }
 [initial]
 velocity = ["0.2*y", "-0.3*y"]
-""", over)  # fmt: skip
-    return change, 1e-12, contact
-
-
-def flying(folder: Path, over: dict) -> tuple[float, float, int]:
-    """The same of a body that rings and flies over twice its size."""
-    change, contact = change_of_energy(folder, """
+"""
+FLYING = """
 [contact]
 on = "lower"
 obstacle = { shape = "half-space", point = [0, -9], normal = [0, 1] }
 [initial]
 velocity = ["0.02 + 0.3*x", "-0.3*y"]
-""", over)  # fmt: skip
-    return change, np.sqrt(STEPS) * rounding(COURANT, STEPS), contact
+"""
+FREE = {  # a scene, and the change of energy that it may have
+    "rings, clamped at its middle": (RINGING, 1e-12),
+    "rings and flies over twice its size": (FLYING, np.sqrt(STEPS) * rounding(COURANT, STEPS)),
+}
 
 
-def between_walls(folder: Path, over: dict) -> tuple[int, float, float, float]:
-    """Impacts of a body thrown to and fro between two walls; of the first energy, the largest rise, what of it rounding may
-    be, and the loss."""
+def disc(folder: Path, steps: int, more: str, before: str = "") -> Path:
+    """The scene of a disc of so many steps."""
+    (folder / "disc.geo").write_text(MESH)
+    scene = folder / "disc.toml"
+    scene.write_text(before + BODY.format(end=steps * STEP, step=STEP, every=steps) + more)
+    return scene
+
+
+@pytest.mark.parametrize("case", FREE)
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_energy_stays(scheme: str, case: str, tmp_path: Path) -> None:
+    text, most = FREE[case]
+    steps = run(disc(tmp_path, STEPS, text), tmp_path / "out", **SCHEMES[scheme])
+    change = abs(energy(steps) / energy(steps)[0] - 1).max()
+    print(f"change of energy in {STEPS:,} steps {change:.1e} <= {most:.1e}")
+    assert not (steps["active"] > 0).any(), "it met the plane"
+    assert change <= most
+
+
+def check(impacts: int, total: np.ndarray, first: float, most: float) -> None:
+    """Enough impacts, and a rise of the energy, relative to the first, by rounding alone."""
+    rise = np.maximum(0, np.diff(total).max() / first)
+    print(f"{impacts} impacts >= {IMPACTS}, rise {rise:.1e} <= {most:.1e}, loss {(total[0] - total[-1]) / first:.3f}")
+    assert impacts >= IMPACTS
+    assert rise <= most
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_thrown_between_two_walls(scheme: str, tmp_path: Path) -> None:
     steps, gap, speed = 20_000, 0.01, 0.2
-    mass = ', mass = "massless"' if "contact__mass" in over else ""
+    mass = ', mass = "massless"' if scheme == "massless" else ""
     wall = '{{ on = "contact"{mass}, obstacle = {{ shape = "half-space", point = [{x}, 0], normal = [{n}, 0] }} }}'
-    scene = folder / "walls.toml"
-    scene.write_text(
-        "contact = [" + ", ".join(wall.format(mass=mass, x=-n * (1 + gap), n=n) for n in (1, -1)) + "]\n"
-        + BODY.format(end=steps * STEP, step=STEP, every=steps)
-        + f'[initial]\nvelocity = ["{speed}", "0"]\n'
-    )  # fmt: skip
-    found, _ = run("simulate", scene, folder / "out", **{key: value for key, value in over.items() if not mass})
+    walls = "contact = [" + ", ".join(wall.format(mass=mass, x=-n * (1 + gap), n=n) for n in (1, -1)) + "]\n"
+    scene = disc(tmp_path, steps, f'[initial]\nvelocity = ["{speed}", "0"]\n', walls)
+    found = run(scene, tmp_path / "out", **({} if mass else SCHEMES[scheme]))
     sides = np.sign(found["contact_force_x"])
     impacts = 1 + int((np.diff(sides[sides != 0]) != 0).sum()) if sides.any() else 0
-    total = energy(found)
     reach = 10 * gap / (speed * STEP)  # what sticks out of a body that rings, and slides on, is not far from its place
-    return impacts, np.maximum(0, np.diff(total).max() / total[0]), rounding(COURANT, reach), 1 - total[-1] / total[0]
+    check(impacts, energy(found), energy(found)[0], rounding(COURANT, reach))
 
 
-def bouncing(folder: Path, over: dict) -> tuple[int, float, float, float]:
-    """The same of a body that bounces under gravity, of the energy of its fall."""
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_bounces_under_gravity(scheme: str, tmp_path: Path) -> None:
+    """Rise and loss are relative to the energy of the fall."""
     steps, height, weight = 160_000, 5.0, 0.01  # m, N/m³
-    scene = folder / "bouncing.toml"
-    scene.write_text(BODY.format(end=steps * STEP, step=STEP, every=steps) + f"""
+    scene = disc(tmp_path, steps, f"""
 [contact]
 on = "lower"
 obstacle = {{ shape = "half-space", point = [0, {-1 - height}], normal = [0, 1] }}
 [load]
 body = ["0", "{-weight}"]
 """)
-    found, _ = run("simulate", scene, folder / "out", **over)
-    total = energy(found) - np.cumsum(found["external_work"])
+    found = run(scene, tmp_path / "out", **SCHEMES[scheme])
     touched = np.flatnonzero(found["contact_force_y"] > 0)
     impacts = 1 + int((np.diff(touched) > 20).sum()) if len(touched) else 0
-    fall = np.pi * weight * height
     reach = height / (np.sqrt(2 * weight * height) * STEP)
-    return impacts, np.maximum(0, np.diff(total).max() / fall), rounding(COURANT, reach), -total[-1] / fall
-
-
-def main() -> int:
-    lines = Table("no viscosity")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "disc.geo").write_text(MESH)
-        for scheme, over in SCHEMES.items():
-            for case, free in (("ringing", ringing), ("flying", flying)):
-                change, most, contact = free(folder, over)
-                lines.row(f"{scheme}, {case}, {STEPS:,} steps",
-                          f"change of energy {change:.1e} <= {most:.1e}, {contact} steps in contact",
-                          contact == 0 and change <= most)  # fmt: skip
-            for case, impact in (("between two walls", between_walls), ("bouncing under gravity", bouncing)):
-                impacts, rise, most, loss = impact(folder, over)
-                lines.row(f"{scheme}, {case}", f"{impacts} impacts >= {IMPACTS}, rise {rise:.1e} <= {most:.1e}, loss {loss:.3f}",
-                          impacts >= IMPACTS and rise <= most)  # fmt: skip
-    return 1 if lines.failed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    check(impacts, energy(found) - np.cumsum(found["external_work"]), np.pi * weight * height, rounding(COURANT, reach))

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bad unknowns and measurements."""
+
+from pathlib import Path
+
+from case import Case, Expected, GEO, typed, write
+
+
+def fit_cases() -> list[Case]:
+    """Unknowns and measurements that a scene cannot have."""
+    objective = '[objective]\ndesired = { control = ["0", "-1"] }\n\n[output]'
+    no_objective = ('[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n', "")
+
+    def fit(name: str, unknown: str, measurement: str, *expect: Expected, edits: tuple[tuple[str, str], ...] = (), **more: object) -> Case:
+        tables = f"[[unknown]]\n{unknown}\n" if unknown else ""
+        tables += f"[[measurement]]\n{measurement}\n" if measurement else ""
+        return Case(name, expect, edits=(("every = 1", f"every = 1\n\n{tables}"), no_objective, *edits), **more)
+
+    force = 'of = "force"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1'
+
+    def unknown(name: str, keys: str, *expect: Expected) -> Case:
+        return fit(name, keys, force, *expect)
+
+    def measurement(name: str, keys: str, *expect: Expected, **more: object) -> Case:
+        return fit(name, 'of = "young"', keys, *expect, **more)
+
+    def data(name: str, text: str | None, *expect: Expected) -> Case:
+        def prepare(folder: Path) -> None:
+            if text is not None:
+                write(folder / "force.csv", text)
+
+        return measurement(name, force, "measurement[0].file: ", *expect, verb="optimize", prepare=prepare)
+
+    return [
+        measurement("accuracy of a fit", force, "--accuracy: has no effect on a fit, with tables [[unknown]]", "optimizer.tolerance",
+                    verb="optimize",
+                    options=("--accuracy", "1e-2")),
+        *(fit(f"sizes chosen for {verb} of a fit", 'of = "young"', force,
+              'mesh.size: "auto" cannot be combined with [[unknown]]; give a size in m, such as --set mesh.size=0.1',
+              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = "auto"'),), mesh=GEO, mesh_file="square.geo", verb=verb)
+          for verb in ("optimize", "check")),
+        unknown("unknown of nothing", 'name = "a"', "unknown[0].of: missing"),
+        unknown("unknown that is not there", 'of = "yuong"', 'unknown[0].of: found "yuong"', "young"),
+        unknown("unknown with a number for a name", 'of = "young"\nname = 1', "unknown[0].name: found 1"),
+        unknown("unknown on a group where there is one material", 'of = "young"\non = "body"', "unknown[0].on: has no effect"),
+        unknown("unknown of no obstacle", 'of = "position"\nobstacle = "wall"', 'unknown[0].obstacle: found "wall"', "obstacle 1"),
+        unknown("radius of a half-space", 'of = "radius"', 'unknown[0].of: found "radius"', "position, angle"),
+        unknown("component of a modulus", 'of = "young"\ncomponent = "x"', "unknown[0].component: has no effect"),
+        unknown("angle about an axis in the plane", 'of = "angle"\ncomponent = "x"', "unknown[0].component: found x", "2-dimensional"),
+        unknown("modulus that starts at zero", 'of = "young"\nstart = 0.0', "unknown[0].start: found 0", "greater than 0"),
+        unknown("start below the bounds", 'of = "young"\nstart = 1.0\nlower = 2.0', "unknown[0].start: found 1", "within the bounds"),
+        unknown("lower bound of a ratio", 'of = "poisson"\nlower = -2.0', "unknown[0].lower: found -2", "greater than -1"),
+        unknown("upper bound of a ratio", 'of = "poisson"\nupper = 0.5', "unknown[0].upper: found 0.5", "less than 0.5"),
+        unknown("scale that is none", 'of = "young"\nscale = "square"', 'unknown[0].scale: found "square"', "linear, log"),
+        unknown("prior without a mean", 'of = "young"\nprior = { deviation = 0.1 }', "unknown[0].prior.mean: missing"),
+        unknown("prior with a text for a mean", 'of = "young"\nprior = { mean = "a", deviation = 0.1 }',
+                'unknown[0].prior.mean: found "a"'),
+        unknown("prior as sharp as a point", 'of = "young"\nprior = { mean = 1e8, deviation = 0 }', "unknown[0].prior.deviation: found 0"),
+        unknown("weight of a scene without any", 'of = "load.gravity"', 'unknown[0].of: found "load.gravity"', "without"),
+        unknown("unknown twice", 'of = "young"\n[[unknown]]\nof = "young"\nname = "E"', 'unknown[1].of: found "young"',
+                "unknown[0] seeks too"),
+        unknown("factor and component of one field", 'of = "initial.velocity"\n[[unknown]]\nof = "initial.velocity"\ncomponent = "y"',
+                'unknown[1].of: found "initial.velocity"', "unknown[0] seeks too"),
+        unknown("unknown along z in the plane", 'of = "initial.velocity"\ncomponent = "z"', 'unknown[0].component: found "z"',
+                "2 components"),
+        unknown("unknown called like a column", 'of = "young"\nname = "damping"', 'unknown[0].name: found "damping"', "history.csv"),
+        fit("memory of a fit", 'of = "young"', force, "optimizer.memory: has no effect on a fit",
+            edits=(("max_iterations = 1", "memory = 1e8"),)),
+        fit("unknown without data", 'of = "young"', "", "unknown: needs data that determine it", "[[measurement]]"),
+        fit("lbfgs for a fit", 'of = "young"', force, 'optimizer.method: found "lbfgs"', "gauss-newton",
+            edits=(("max_iterations = 1", 'method = "lbfgs"\nmax_iterations = 1'),)),
+        fit("gauss-newton for a control", 'of = "young"', force, 'optimizer.method: found "gauss-newton"', "lbfgs",
+            edits=(("[output]", objective), ("max_iterations = 1", 'method = "gauss-newton"\nmax_iterations = 1'))),
+        measurement("measurement of nothing", 'name = "a"', "measurement[0].of: missing"),
+        measurement("measurement that is none", 'of = "weight"', 'measurement[0].of: found "weight"', "displacement"),
+        measurement("measurement with a number for a name", force + "\nname = 1", "measurement[0].name: found 1"),
+        measurement("displacement of nowhere", 'of = "displacement"', "measurement[0]: found neither", "point, on"),
+        measurement("displacement outside of the body",
+                    'of = "displacement"\npoint = [0, 9]\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1',
+                    "measurement[0].point: found (0, 9)", verb="simulate", options=("--measure",)),
+        measurement("displacement of a group that is not there",
+                    'of = "displacement"\non = "topp"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1', "measurement[0].on: ", '"topp"',
+                    verb="simulate", options=("--measure",)),
+        measurement("force of no obstacle", force + '\nobstacle = "wall"', 'measurement[0].obstacle: found "wall"', "obstacle 1"),
+        measurement("force in no direction", 'of = "force"\nfile = "force.csv"', "measurement[0].component: missing"),
+        measurement("force along z in the plane", force.replace('"y"', '"z"'), 'measurement[0].component: found "z"', "2-dimensional"),
+        measurement("force without a file", 'of = "force"\ncomponent = "y"', "measurement[0].file: missing"),
+        measurement("file that is a number", force.replace('"force.csv"', "1"), "measurement[0].file: found 1"),
+        measurement("column that is a number", force + "\ncolumn = 1", "measurement[0].column: found 1"),
+        measurement("contact time without a value", 'of = "contact-time"', "measurement[0].value: missing"),
+        measurement("contact time below zero", 'of = "contact-time"\nvalue = -1', "measurement[0].value: found -1"),
+        measurement("deviation of zero", force.replace("noise = 0.1", "deviation = 0"), "measurement[0].deviation: found 0"),
+        measurement("noise of zero", force.replace("0.1", "0"), "measurement[0].noise: found 0"),
+        measurement("noise beside a deviation", force + "\ndeviation = 1.0", "measurement[0].noise: found beside deviation"),
+        data("data that are not there", None, "force.csv", "simulate --measure"),
+        data("data without values", "time,force\n0,1\n1e-4,2\n", 'found no column "value"', "time, force"),
+        data("data after the end", "time,value\n0,1\n1e-3,2\n", "found the time 0.001 s", "0 to 0.00015 s"),
+        data("data with decimal commas between commas", "time,value\n0,0\n1e-4,-1,5\n", "force.csv: line 3: found 3 cells below 2 names"),
+        data("data with thousands separators", 'time,value\n0,0\n1e-4,"-1,000"\n', '"-1,000" in column 2'),
+        data("data with a column twice", "time,value,value\n0,0,1\n1e-4,1,1\n", 'found "value" in column 2 and "value" in column 3'),
+        data("data in the unit of another quantity", "time,value [m/s]\n0,0\n1e-4,1\n", '"value [m/s]"', "cannot be converted to N or N/m"),
+        measurement("deviations without a unit beside values with one", 'of = "force"\ncomponent = "y"\nfile = "force.csv"',
+                    'measurement[0].file: ', 'found "deviation" without a unit beside "value [kN]"', '"deviation [kN]"', verb="optimize",
+                    prepare=lambda folder: write(folder / "force.csv", "time,value [kN],deviation\n0,0,1\n1e-4,1,1\n")),
+        data("data that are all zero", "time,value\n0,0\n1e-4,0\n",
+             "all values are 0, to which no noise can be relative; give a deviation"),
+        measurement("measuring without a deviation", 'of = "force"\ncomponent = "y"\nfile = "force.csv"',
+                    "--measure: measurement[0] has neither",
+                    verb="simulate", options=("--measure",)),
+        measurement("measuring over a record", force, "--measure: ", "force.csv was not written by simulate --measure", verb="simulate",
+                    options=("--measure", "--replace"), prepare=lambda folder: write(folder / "force.csv", "time,value\n0,1\n")),
+        measurement("measuring beside a file", force, "--measure: ",
+                    "force.csv exists and stays as it is, since a fit may use it; overwrite it with --replace", verb="simulate",
+                    options=("--measure",), prepare=lambda folder: write(folder / "force.csv", "time,value\n0,1\n"), ranks=2),
+        measurement("measuring into a table of the run", force.replace("force.csv", "results/steps.csv"), "--measure: ",
+                    "steps.csv is a file of the run itself", verb="simulate", options=("--measure",)),
+        measurement("measuring times", force + '\ncolumn = "time"', "--measure: measurement[0].column", '"time"', verb="simulate",
+                    options=("--measure",)),
+        typed("seed of nothing", "simulate scene.toml --seed 3", "--seed requires --measure"),
+        typed("measuring nothing", "simulate scene.toml --measure", "--measure: the scene measures no values; add a table [[measurement]]"),
+    ]

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keys of clamps, contact and obstacles: the effect of each on a small scene is that of docs/reference/keys.md."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from harness import attempt, table
+from regression.keys.runs import BLOCK, DATA, FLAT, FREE, ROUNDING, Runner, T, near, same
+
+WEIGHT = FREE | {"load__body": ["1", "-1"]}
+
+
+@pytest.mark.key("clamp.on", "clamp.components")
+@pytest.mark.parametrize("components", (["x", "y"], ["x"], ["y"]), ids=str)
+@pytest.mark.parametrize("group, axis, place", (("left", 0, 0), ("top", 1, 1)))
+def test_clamp(group: str, axis: int, place: float, components: list[str], simulate: Runner) -> None:
+    done = simulate(clamp=[{"on": group, "components": components}], **WEIGHT)
+    moved = abs(done.field("displacement")[-1])
+    on = abs(done.points[:, axis] - place) < ROUNDING
+    assert 2 < on.sum() < len(on) and (moved[~on] > 0).all()
+    assert [name for c, name in enumerate("xy") if (moved[on, c] == 0).all()] == components, "and no other component"
+
+
+@pytest.mark.key("clamp.components")
+def test_clamp_of_all_components(simulate: Runner) -> None:
+    default = simulate(clamp=[{"on": "left"}], **WEIGHT)
+    same(default, simulate(clamp=[{"on": "left", "components": ["x", "y"]}], **WEIGHT))
+
+
+@pytest.mark.key("clamp.value")
+@pytest.mark.parametrize("components, value, end", (
+    (["x", "y"], ["0.1*t^2", "0.2*t^2*(1+x)"], [0.1 * T**2, 0.2 * T**2]),
+    (["y", "x"], ["0.1*t^2", "0.2*t^2"], [0.2 * T**2, 0.1 * T**2]),  # each value is its component's
+    (["y"], ["0.3*t^2"], [None, 0.3 * T**2]),
+), ids=str)  # fmt: skip
+def test_clamp_value(components: list[str], value: list[str], end: list[float | None], simulate: Runner) -> None:
+    done = simulate(clamp=[{"on": "left", "components": components, "value": value}], **FREE)
+    same(done, simulate(done.folder / "scene.toml"))
+    left = done.points[:, 0] == 0
+    for c, expected in enumerate(end):
+        if expected is not None:
+            near(done.field("displacement")[-1][left, c], np.full(left.sum(), expected))
+
+
+@pytest.mark.key("contact.on")
+@pytest.mark.parametrize("group, axis, place, nodes", (
+    ("bottom", "y", 0, 5), ("top", "y", 1, 5), ("left", "x", 0, 5), ("boundary", None, 0, 16)))  # fmt: skip
+def test_contact_on(group: str, axis: str | None, place: float, nodes: int, simulate: Runner) -> None:
+    done = simulate(contact__on=group, **FREE)
+    assert done.manifest["candidates"] == len(done.start["x"]) == nodes
+    assert axis is None or (abs(done.start[axis] - place) < ROUNDING).all()
+
+
+@pytest.mark.key("contact.mass")
+@pytest.mark.parametrize("mass, moved", (("consistent", True), ("massless", False)))
+def test_contact_mass(mass: str, moved: bool, simulate: Runner) -> None:
+    done = simulate(contact__mass=mass, **FLAT)
+    near(done.steps["kinetic_energy"][0], 0.5)  # the whole mass stays
+    towards = simulate(contact__mass=mass, initial__velocity=["0", "y < 0.01 ? -1 : 0"], **FLAT).steps["kinetic_energy"][0]
+    assert (towards > 0.03) if moved else (abs(towards) < ROUNDING), "that of the lower nodes, towards the plane"
+
+
+INSIDE = FLAT | {"contact__obstacle__point": [0, 0.05]}
+
+
+@pytest.mark.key("contact.initial")
+@pytest.mark.parametrize("initial", ({}, {"contact__initial": "outside"}), ids=("default", "outside"))
+def test_start_inside_an_obstacle_is_refused(initial: dict[str, str], tmp_path: Path) -> None:
+    assert attempt("simulate", BLOCK, tmp_path / "inside", **initial, **INSIDE).returncode == 2
+
+
+@pytest.mark.key("contact.initial")
+def test_start_inside_an_obstacle_is_projected(simulate: Runner) -> None:
+    done = simulate(contact__initial="project", **INSIDE)
+    near(done.start["gap"], np.zeros(5))
+    lower = done.points[:, 1] == 0
+    near(done.field("displacement")[0][:, 1], np.where(lower, 0.05, 0))
+
+
+@pytest.mark.key("contact.obstacle.shape", "contact.obstacle.point", "contact.obstacle.normal")
+@pytest.mark.parametrize("point, normal", (
+    ([0, -0.1], [0.3, 1]), ([0.5, -0.3], [0.3, 1]), ([0, -0.1], [0, 2]), ([2, -2], [-1, 1])), ids=str)  # fmt: skip
+def test_half_space(point: list[float], normal: list[float], simulate: Runner) -> None:
+    done = simulate(contact__obstacle={"shape": "half-space", "point": point, "normal": normal})
+    n = np.array(normal) / np.hypot(*normal)
+    done.gaps(lambda x, y: n[0] * (x - point[0]) + n[1] * (y - point[1]))
+
+
+@pytest.mark.key("contact.obstacle.point")
+def test_moving_half_space(simulate: Runner) -> None:
+    pushed = simulate(**FREE | FLAT | {"contact__obstacle__point": ["0", "-0.1 + 0.5*t"]})
+    near(pushed.start["gap"], np.full(5, 0.1))
+    force = pushed.steps["contact_force_y"]
+    assert (force[1:10] == 0).all() and force.max() > 0, "the plane arrives after 0.2 s"
+    near(pushed.momentum()[1], 0.02 * force[1:].sum())
+    lower = pushed.points[:, 1] == 0
+    assert (pushed.field("displacement")[-1][lower, 1] >= 0.2 - ROUNDING).all()
+
+
+@pytest.mark.key("contact.obstacle.center", "contact.obstacle.radius", "contact.obstacle.side")
+@pytest.mark.parametrize("side", ({}, {"side": "outside"}), ids=("default", "outside"))
+@pytest.mark.parametrize("center, radius", (([0.5, -1], 0.9), ([0.2, -1], 0.9), ([0.5, -1], 0.5)), ids=str)
+def test_ball(center: list[float], radius: float, side: dict[str, str], simulate: Runner) -> None:
+    done = simulate(contact__obstacle={"shape": "ball", "center": center, "radius": radius} | side)
+    done.gaps(lambda x, y: np.hypot(x - center[0], y - center[1]) - radius)
+    assert (center, radius) != ([0.5, -1], 0.9) or done.steps["active"].max() > 0
+
+
+@pytest.mark.key("contact.obstacle.center", "contact.obstacle.radius", "contact.obstacle.side")
+def test_inside_of_a_ball(simulate: Runner) -> None:
+    done = simulate(contact__obstacle={"shape": "ball", "center": [0.5, 0.4], "radius": 2, "side": "inside"})
+    done.gaps(lambda x, y: 2 - np.hypot(x - 0.5, y - 0.4))
+    assert done.steps["active"].max() == 0
+
+
+RESTING = {name: value for name, value in FREE.items() if "obstacle" not in name}
+
+
+@pytest.mark.key("contact.obstacle.center", "contact.obstacle.radius", "contact.obstacle.distance", "contact.obstacle.point")
+@pytest.mark.parametrize("obstacle", (
+    {"shape": "ball", "center": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+    {"shape": "cylinder", "point": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+    {"shape": "signed-distance", "distance": "sqrt((x - 0.5 - t)^2 + (y + 1.5 - t)^2) - 0.5 - 0.2*t"},
+), ids=lambda obstacle: obstacle["shape"])  # fmt: skip
+def test_moving_round_obstacle(obstacle: dict[str, object], simulate: Runner) -> None:
+    """Gaps of the undeformed body, which rests far from everything until the obstacle comes."""
+    done = simulate(contact__obstacle=obstacle, **RESTING)
+    contact = table(done.folder / "contact.csv")
+    assert done.steps["active"].max() == 0 and done.manifest["effects"]["moving obstacle"]
+    t, x = np.unique(contact["time"])[:, None], np.linspace(0, 1, 5)[None, :]
+    near(contact["gap"].reshape(31, 5), np.hypot(x - 0.5 - t, 1.5 - t) - 0.5 - 0.2 * t, 1e-9)
+
+
+@pytest.mark.key("contact.obstacle.center")
+def test_pushed_by_a_moving_ball(simulate: Runner) -> None:
+    fast = simulate(contact__obstacle={"shape": "ball", "center": [0.5, "-1.2 + t"], "radius": 1}, **RESTING)
+    assert fast.steps["active"].max() > 0 and fast.momentum()[1] > 0.1
+
+
+@pytest.mark.key("contact.obstacle.point", "contact.obstacle.radius", "contact.obstacle.side")
+def test_cylinder_in_the_plane(simulate: Runner) -> None:
+    disc = {"shape": "cylinder", "point": [0.5, -1], "radius": 0.9}
+    simulate(contact__obstacle=disc).gaps(lambda x, y: np.hypot(x - 0.5, y + 1) - 0.9)
+    inside = {"shape": "cylinder", "point": [0.5, 0.4], "radius": 2, "side": "inside"}
+    simulate(contact__obstacle=inside).gaps(lambda x, y: 2 - np.hypot(x - 0.5, y - 0.4))
+
+
+@pytest.mark.key("contact.obstacle.axis", "contact.obstacle.point", "contact.obstacle.radius")
+@pytest.mark.parametrize("axis", ([1, 0, 0], [0, 2, 0], [1, 1, 0]), ids=str)
+def test_cylinder_in_space(axis: list[float], simulate: Runner) -> None:
+    across = np.array([-axis[1], axis[0]]) / np.hypot(*axis[:2])  # in the lower side, z = 0
+    done = simulate(DATA / "cube.toml", contact__obstacle={"shape": "cylinder", "point": [0.5, 0.5, -1], "radius": 0.9, "axis": axis},
+                    time__end=0.02)  # fmt: skip
+    done.gaps(lambda x, y: np.hypot(across[0] * (x - 0.5) + across[1] * (y - 0.5), 1) - 0.9)
+
+
+@pytest.mark.key("contact.obstacle.distance")
+def test_signed_distance(simulate: Runner) -> None:
+    done = simulate(contact__obstacle={"shape": "signed-distance", "distance": "3*(y + 0.1 + 0.2*x^2)"})
+    done.gaps(lambda x, y: (0.1 + 0.2 * x**2) / np.hypot(1, 0.4 * x), 1e-10)  # differences: rounding over 1e-4 of the body
+
+
+@pytest.mark.key("contact.obstacle.name")
+@pytest.mark.parametrize("names, expected", (
+    (({}, {}), ["obstacle 1", "obstacle 2"]), (({"name": "floor"}, {}), ["floor", "obstacle 2"])), ids=("defaults", "floor"))  # fmt: skip
+def test_obstacle_name(names: tuple[dict[str, str], dict[str, str]], expected: list[str], simulate: Runner) -> None:
+    plane = {"shape": "half-space", "point": [0, -0.1], "normal": [0, 1]}
+    done = simulate(contact=[{"on": "bottom", "obstacle": plane | names[0]}, {"on": "left", "obstacle": plane | names[1]}])
+    assert [contact["obstacle"]["name"] for contact in done.echo["contact"]] == expected
+    assert list(table(done.folder / "obstacles.csv")["obstacle"]) == 31 * expected
+    assert [one["name"] for one in done.manifest["impact"]["obstacles"]] == expected

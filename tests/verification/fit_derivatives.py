@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Derivatives of fits by every kind of unknown from every kind of measurement, by every scheme."""
+
+import functools
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from fit_runs import EVERY, PLANE, SCHEMES, half_space, measure, thrown
+from harness import attempt
+
+IN_SPACE = [{"of": "initial.velocity", "start": 0.98}, {"of": "position", "start": 0.05},
+            {"of": "angle", "component": "x", "start": 0.01}, {"of": "angle", "component": "y", "start": -0.01}]  # fmt: skip
+ROUND = [{"of": "center", "component": "x", "start": 0.1}, {"of": "center", "component": "y", "start": -40.05},
+         {"of": "radius", "start": 24.9}]  # fmt: skip
+CASES = {
+    "plane": (2, half_space(2), EVERY + PLANE),
+    "ball": (2, '{ shape = "ball", center = [0, -40.2], radius = 25.0 }', [EVERY[0], EVERY[4], *ROUND]),
+    "space": (3, half_space(3), [EVERY[0], EVERY[3], EVERY[4], *IN_SPACE]),
+}
+INSIDE = [{"of": "center", "component": "x", "start": 0.1}, {"of": "center", "component": "y", "start": 9.75},
+          {"of": "radius", "start": 24.95}]  # fmt: skip
+CASES |= {  # cylinders, and round obstacles around the body: once with each scheme
+    "inside of a disc": (2, '{ shape = "ball", center = [0, 9.8], radius = 25.0, side = "inside" }', [EVERY[0], *INSIDE]),
+    "inside of a cylinder": (2, '{ shape = "cylinder", point = [0, 9.8], radius = 25.0, side = "inside" }', [EVERY[4], *INSIDE]),
+    "cylinder": (3, '{ shape = "cylinder", point = [0, 3, -40.2], axis = [0, 1, 0], radius = 25.0 }',
+                 [{"of": "center", "component": "x", "start": 0.1}, {"of": "center", "component": "z", "start": -40.05}, ROUND[2]]),
+    "inside of a tube": (3, '{ shape = "cylinder", point = [3, 0, 9.8], axis = [1, 0, 0], radius = 25.0, side = "inside" }',
+                         [{"of": "center", "component": "y", "start": 0.3}, {"of": "center", "component": "z", "start": 9.7}, INSIDE[2]]),
+    "inside of a ball": (3, '{ shape = "ball", center = [0, 0, 9.8], radius = 25.0, side = "inside" }',
+                         [{"of": "center", "component": "y", "start": 0.3}, {"of": "center", "component": "z", "start": 9.7}, INSIDE[2]]),
+}  # fmt: skip
+SETTINGS = {
+    "as it is": ({}, 1),
+    "degree 2": ({"mesh__degree": 2}, 1),
+    "iterative": ({"solver__linear": "iterative"}, 1),
+    "2 ranks": ({}, 2),
+    "checkpoints": ({"trajectory__storage": "checkpoints"}, 1),
+    "3 ranks": ({}, 3),
+}
+COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as many unknowns
+
+
+def settings(name: str, scheme: str) -> list[str]:
+    """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
+    if name != "plane" and (name not in ("ball", "space") or scheme != "contact-stabilized"):
+        return ["as it is"]
+    return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]:
+    """The scene of a case, with data that a scheme made; each is simulated once."""
+
+    @functools.cache
+    def file(name: str, scheme: str) -> Path:
+        folder = tmp_path_factory.mktemp("case")
+        (folder / "scene.toml").write_text(thrown(*CASES[name], folder))
+        measure(folder / "scene.toml", folder / "made", SCHEMES[scheme])
+        return folder / "scene.toml"
+
+    return file
+
+
+RUNS = [(name, scheme, setting) for name in CASES for scheme in SCHEMES for setting in settings(name, scheme)]
+
+
+@pytest.mark.parametrize("name, scheme, setting", RUNS)
+def test_check(measured: Callable, name: str, scheme: str, setting: str) -> None:
+    """Taylor orders by each unknown, adjoint sweep against linearised motions, contact not vacuous."""
+    (dim, _, wanted), (more, ranks) = CASES[name], SETTINGS[setting]
+    more = more | (COARSE if dim == 3 and "mesh__degree" in more else {})
+    done = attempt("check", measured(name, scheme), None, ranks, **SCHEMES[scheme], **more)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = re.findall(r"^(ok|FAIL)\s+(\S.*?)\s{2,}(\S.*?)\s{2,}", done.stdout, re.MULTILINE)
+    assert "contact included" in done.stdout and len(rows) > 2 * len(wanted)
+    orders = [row for row in rows if row[1].startswith("Taylor order")]
+    assert len(orders) > len(wanted) / 2, "too few sizes keep the active sets"
