@@ -42,9 +42,9 @@ struct Orders {
   std::optional<Order> space, time, both;
 };
 
-/// Errors, estimates, envelopes and Pareto front of one quantity. The reference's error bar is the sum of the
-/// bars along the rungs of its step and along those of its size. For J it is at least most() of the adjoint's
-/// estimate.
+/// Errors, estimates, envelopes and Pareto front of one quantity. The reference's error bar adds two: one
+/// from the rungs with its step, one from those with its size. For J it is no smaller than most() of the
+/// adjoint's error estimate.
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
 /// Cautious bound of J's error from its estimate: twice the estimate, which covered 59 of 61 runs

@@ -15,9 +15,9 @@ struct SizeAndStep {
   double size = 0, step = 0;
 };
 
-/// Observed order of a part of the error that fell from `coarse` to `fine` as its width fell by `factor`. It
-/// is limited to the range from fronts of an impact to above the schemes; `otherwise` where these values
-/// determine none.
+/// Observed order of a part of the error that fell from `coarse` to `fine` as the element size or the step
+/// fell by `factor`, clamped between that at wave fronts of an impact and a little above that of the schemes;
+/// `otherwise` where the values give none.
 double observed_order(double coarse, double fine, double factor, double otherwise);
 
 /// Factors of size and step at which the parts of an error add up to `target` at the least cost. The parts

@@ -14,7 +14,7 @@ struct ScriptVerb {
 
 const std::vector<ScriptVerb>& script_verbs();
 
-/// Whether the word is a verb of a script.
+/// Whether the word is a verb of the command line that a Python script carries out.
 bool is_script_verb(std::string_view word);
 
 /// Replaces this process by python3 with the script of the verb words[0]; its arguments are all other words,

@@ -81,7 +81,7 @@ auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
       coordinate_element(geometry).create_dof_layout(), cell_nodes(geometry), dim, entities, values);
 }
 
-/// Whether mesh creation takes the number of cells that share a facet: 0.11.
+/// Whether create_mesh has an argument for the number of cells that share a facet (FEniCSx 0.11).
 template <class Links>
 constexpr bool wants_links =
     requires(Links links) { dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none, links); };

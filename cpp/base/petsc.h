@@ -134,7 +134,8 @@ double bytes(Mat matrix);
 /// x·y. Collective.
 double dot(Vec x, Vec y);
 
-/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖, which scales the rounding where terms cancel.
+/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖, the scale of its rounding error where terms
+/// cancel.
 struct Pairing {
   double value = 0, size = 0;
 

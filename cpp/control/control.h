@@ -105,7 +105,7 @@ struct Variables {
   }
 };
 
-/// Variables whose control is rounded to single precision.
+/// Variables of a search, with the control in single precision.
 struct CompactVariables {
   CompactControl u{};
   std::vector<double> x{};

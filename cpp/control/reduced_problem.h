@@ -116,7 +116,7 @@ public:
   void project(Variables& v) const;
   void zero_blocked(Variables& w, const Variables& v, const Variables& d) const;
 
-  /// The current point.
+  /// The current variables of the search.
   [[nodiscard]] const Variables& variables() const { return current_->v; }
   [[nodiscard]] const Control& control() const { return current_->v.u; }
   [[nodiscard]] const ObjectiveValue& value() const { return current_->value; }

@@ -15,8 +15,8 @@ struct SearchEnd {
   std::optional<io::Accuracy> accuracy{};
 };
 
-/// Writes the results of a search at the reduced problem's current point or at the fitted one, puts them in
-/// place and reports them. Collective. Throws UserError, SolverFailure, WriteFailure.
+/// Writes the results of a search, at its current variables or at the fitted values, moves them into the
+/// output folder and prints them. Collective. Throws UserError, SolverFailure, WriteFailure.
 void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console);
 
 } // namespace signorini::drivers

@@ -24,7 +24,7 @@ public:
   void observe(const trajectory::Frame& frame) { measurements_.observe(frame); }
 
   /// Writes the files, with normal noise of the scene's deviations generated from `seed` (0: no noise).
-  /// Writes a note FILE.measured beside each, with its digest and that of the file that it replaces. Returns
+  /// Writes FILE.measured beside each, with the digests of the new file and of the one replaced. Returns
   /// lines on the files written. Throws UserError.
   [[nodiscard]] std::vector<std::string> write(int seed) const;
 

@@ -11,7 +11,7 @@ namespace signorini::io {
 class StoredField {
 public:
   /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:
-  /// the scene's key that names the run; `at_start`: false for a field that no run has at 0. Collective.
+  /// the scene's key that names the run; `at_start`: whether runs store the field at t = 0. Collective.
   /// `space` must outlive this object. Throws UserError if the file is missing or damaged, has no such field,
   /// or has it on another mesh or not from 0 to `end` (s).
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,

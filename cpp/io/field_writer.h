@@ -29,7 +29,7 @@ public:
   [[nodiscard]] std::size_t cells() const { return cells_.total(); }
   [[nodiscard]] std::size_t rows(Values values) const { return in_cells(values) ? cells() : nodes(); }
 
-  /// Coordinates (nodes × dim), m, and the nodes of each cell (cells × (dim + 1)); empty but on rank 0.
+  /// Coordinates (nodes × dim), m, and the nodes of each cell (cells × (dim + 1)); empty on all ranks but 0.
   /// Collective.
   [[nodiscard]] std::vector<double> points() const;
   [[nodiscard]] std::vector<std::int64_t> topology() const;
@@ -77,8 +77,9 @@ public:
   FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
               std::vector<FieldSeries> fields, std::size_t times);
 
-  /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order. `owned`: its
-  /// values that this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
+  /// Writes a field at `time` (s), the output time `number`, counted from 0; calls may come in any order.
+  /// `owned`: its values that this rank owns, at the nodes of V or in the cells. Collective. Throws
+  /// OutputFailure.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 

@@ -34,7 +34,7 @@ struct Comparison {
   std::vector<double> times, data, deviations, simulated;
 };
 
-/// Measured figure of the whole contact, which is not fitted, and the simulated one.
+/// A measured value of the contact as a whole, compared with the simulated one but not fitted.
 struct ComparedFigure {
   std::string name, unit;
   double value, deviation, simulated; ///< deviation 0: not given, simulated nan: no contact
@@ -51,7 +51,8 @@ struct Fit {
   double value = 0;  ///< J
   double misfit = 0; ///< root mean square of the residuals of the data, in standard deviations
   long data = 0;     ///< number of values
-  /// √(gᵀH⁻¹g) at the end, in standard deviations; absent with a control.
+  /// Newton decrement √(gᵀH⁻¹g) at the end of the fit, in standard deviations of the parameters; absent if a
+  /// control is sought too.
   std::optional<double> decrement{};
 };
 

@@ -53,7 +53,7 @@ void multiply(std::span<const double> A, std::span<const double> B, std::span<do
 /// passed column by column; vectors are in the order of A. Not collective.
 class UpdatedCholesky {
 public:
-  /// Reserves room for `most` indices, up to which nothing is allocated.
+  /// Reserves room for `most` indices; up to that number nothing more is allocated.
   explicit UpdatedCholesky(std::size_t most = 0) {
     R_.reserve(most * (most + 1) / 2);
     rotations_.reserve(most);

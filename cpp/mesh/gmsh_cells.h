@@ -68,7 +68,7 @@ public:
   /// Entities with cells, ascending.
   [[nodiscard]] std::vector<int> entities() const;
   [[nodiscard]] bool entities_are_groups() const { return entities_are_groups_; }
-  /// Map from dimension and number of groups to entities, if these are groups.
+  /// Map from a group's dimension and number to its entities; see entities_are_groups().
   [[nodiscard]] const std::map<std::pair<int, int>, std::vector<int>>& entities_of() const {
     return entities_of_;
   }

@@ -21,7 +21,8 @@ std::string packed(const GmshRequest& request);
 /// Inverse of packed(). Throws std::exception.
 GmshRequest request_of(const std::string& bytes);
 
-/// First byte of an answer: `done` before the packed mesh or nothing, `failed` before an error.
+/// First byte of an answer: `done`, followed by the packed mesh if there is one, or `failed`, followed by the
+/// error.
 constexpr char done = 'm', failed = 'e';
 
 } // namespace signorini::mesh

@@ -78,7 +78,7 @@ struct Direction {
 };
 
 /// Returns the minimiser d of max_i (g_i·d − e_i) + ½ d·Bd, by the dual quadratic program over the simplex;
-/// none if B (n × n) is not positive definite or the program has no solution.
+/// none if B (n × n) is not positive definite or the quadratic program is not solved.
 [[nodiscard]] std::optional<Direction> model_minimiser(std::span<const Cut> cuts, std::vector<double> B,
                                                        std::size_t n);
 

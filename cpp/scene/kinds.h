@@ -110,7 +110,7 @@ struct Set {
   static Json schema() { return {{"type", "array"}, {"items", Choice<E>::schema()}}; }
 };
 
-/// Components that are clamped or act.
+/// Components in which a clamp, a load or a control acts.
 struct Acting : Set<Component> {
   static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
 };

@@ -67,7 +67,7 @@ public:
   /// Readers of an array of tables; none if the key is absent. The array may be empty unless one is needed.
   std::vector<Reader> tables(const std::string& key, bool needed);
 
-  /// Throws UserError for the first key that was never accessed and names an effect that the model lacks.
+  /// Throws UserError for the first key not accessed that is the name of an effect outside the model.
   void refuse() const;
   /// Throws UserError for the first key that was never accessed, suggesting the nearest one that was.
   void finish() const;

@@ -290,8 +290,8 @@ struct Exact {
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
-/// One table [[output.probe]]: a place or body to follow over time, by exactly one of the members after the
-/// name.
+/// One table [[output.probe]]: a place or body to follow over time, given by exactly one of the members
+/// after the name.
 struct Probe {
   std::string name;                         ///< name of its columns, unique
   std::optional<std::vector<double>> point; ///< point of the undeformed body, m
@@ -381,8 +381,8 @@ std::string no_coarse_start(const Scene& scene);
 std::string unknown_key(std::size_t i);
 std::string measurement_key(std::size_t i);
 
-/// Returns the scene with another element size, m (without mesh.size: another scale of the .geo's own), and
-/// another number of steps to time.end.
+/// Returns the scene with element size `size`, m (without mesh.size: a factor on the sizes of the .geo), and
+/// `steps` steps to time.end.
 Scene resized(Scene scene, double size, int steps);
 
 /// Throws UserError unless every vector of the scene has `dim` components and names no others.

@@ -14,7 +14,7 @@ namespace signorini::step {
 /// The translation by 1 along an axis, a field of V. Collective.
 [[nodiscard]] petsc::Vector translation(const fem::Space& space, std::size_t axis);
 
-/// The mean of a component of functions of V in the measure of a matrix: weights·y.
+/// Mean of one component of y in V, weights·y, over the set whose mass matrix gave the weights.
 struct Mean {
   petsc::Vector weights;
   double measure; ///< e·Me for the translation e along the axis: area or volume, or mass

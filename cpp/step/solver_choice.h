@@ -71,7 +71,7 @@ public:
   /// Elimination order of a factorisation on one rank, else empty.
   [[nodiscard]] EliminationOrder order() const { return cholesky_ ? cholesky_->order() : EliminationOrder(); }
 
-  /// Relative error that a solve may leave; 0 for rounding alone.
+  /// Relative error that a solve may leave; 0 for a direct solver, which leaves rounding alone.
   [[nodiscard]] double tolerance() const { return iterative_ ? iterative_->tolerance() : 0; }
 
   /// The chosen solver and the reason, in a few words.
@@ -88,7 +88,8 @@ public:
 private:
   void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                  const EliminationOrder& order);
-  /// Compares prices; if the solver named `direct` is kept, sets `compared` to the reason.
+  /// Compares costs and takes conjugate gradients where they are cheaper, and returns whether; else sets
+  /// `compared` to the reason why the solver named `direct` stays.
   bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
                           std::string& compared);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);

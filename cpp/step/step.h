@@ -154,7 +154,7 @@ public:
   [[nodiscard]] static std::size_t state_parts() { return 2; }
   [[nodiscard]] AdjointState adjoint_state() const { return AdjointState(space_.vector()); }
 
-  /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
+  /// Memory that the scheme needs beyond that of contact-implicit stepping, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
 
   /// Scratch of steps; one step at a time may use it. No step depends on what an earlier one left in

@@ -8,10 +8,10 @@
 
 namespace signorini::step {
 
-/// Operators that depend on the length of a step alone: R and a solver with D, made when a length first
-/// occurs. Where all lengths together would exceed the memory that the scene allows, the least recently used
-/// ones are discarded and recomputed when needed. The solver is chosen for the first length and serves for
-/// all: their D has the same sparsity, and shorter steps are easier to solve.
+/// Operators that depend only on the length of a step: the matrix R and a solver for D (docs/method.md,
+/// section 1), made when a length first occurs. Where all lengths together would exceed the memory that the
+/// scene allows, the least recently used ones are discarded and recomputed when needed. The kind of solver is
+/// chosen for the first length and serves for all, since their D have the same sparsity.
 class StepOperators {
 public:
   struct PerStepLength {

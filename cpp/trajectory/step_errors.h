@@ -104,8 +104,8 @@ private:
   [[nodiscard]] double rounding(Vec y);
   void set_mean(const Frame& frame);
   [[nodiscard]] double error_of(const Frame& frame, bool abrupt);
-  /// Whether a candidate that is open before the step and after it was not within it, by the parabola through
-  /// three gaps.
+  /// Whether a candidate that is open before and after the step was closed in between, by the parabola
+  /// through three gaps.
   [[nodiscard]] bool passes(const Frame& frame) const;
   void take_rigid(const Frame& frame);
   void take_deformation(const Frame& frame);

@@ -54,8 +54,8 @@ def grip(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Grip]:
     @functools.cache
     def made(case: str) -> Grip:
         (ranks, mass, scheme), out = GRIPS[case], tmp_path_factory.mktemp("gripper") / "out"
-        done = signorini("simulate", BLOCK, out, ranks, contact=jaws(**mass), load__body=["0", "0"], initial__velocity=["0", "0"], time__end=2,
-                         material__viscosity={"bulk": 5, "shear": 5}, output__fields=[], **scheme)  # fmt: skip
+        done = signorini("simulate", BLOCK, out, ranks, contact=jaws(**mass), load__body=["0", "0"], initial__velocity=["0", "0"],
+                         time__end=2, material__viscosity={"bulk": 5, "shear": 5}, output__fields=[], **scheme)  # fmt: skip
         rows = table(out / "obstacles.csv")
         assert list(rows["obstacle"]) == ["lower jaw", "obstacle 2"] * (CLOSED + 1)
         return out, done.stdout, {name: column.reshape(-1, 2) for name, column in rows.items() if name != "obstacle"}

@@ -9,8 +9,8 @@
 
 namespace signorini::contact {
 
-/// PETSc's VI solver of a condensed step: 0 ≤ g ⟂ K (g − g⁰) ≥ 0 with K = S⁻¹, scaled to a mean diagonal of
-/// one.
+/// PETSc's solver of a step's inequality in the gaps g: 0 ≤ g ⟂ K (g − g⁰) ≥ 0 with the gaps g⁰ without
+/// contact forces and K = S⁻¹, scaled to a mean diagonal of one.
 struct CondensedVi {
   petsc::Matrix K;
   petsc::Vector x, gap0, constant;
