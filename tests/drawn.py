@@ -5,27 +5,24 @@ import base64
 import io
 import json
 import math
-import sys
 from contextlib import redirect_stdout
 from pathlib import Path
 
+import as_package  # noqa: F401
 import numpy as np
-from harness import SOURCE, stored
-from recomputed import Run, fail, near, same
-
-sys.path.insert(0, str(SOURCE / "postprocess"))
-import as_package  # noqa: E402, F401
-from signorini.post import animation  # noqa: E402
-from signorini.post import figures as all_figures  # noqa: E402
-from signorini.post import report_compare  # noqa: E402
-from signorini.post import report_motion  # noqa: E402
-from signorini.post import report_run  # noqa: E402
-from signorini.post import report_study  # noqa: E402
-from signorini.post import style  # noqa: E402
-from signorini.post import work_precision  # noqa: E402
-from signorini.post.report_parts import Page, Table  # noqa: E402
-from signorini.post.run_folder import RunFolder  # noqa: E402
-from signorini.post.study_folder import StudyFolder  # noqa: E402
+from harness import stored
+from recomputed import Run, near, same
+from signorini.post import animation
+from signorini.post import figures as all_figures
+from signorini.post import report_compare
+from signorini.post import report_motion
+from signorini.post import report_run
+from signorini.post import report_study
+from signorini.post import style
+from signorini.post import work_precision
+from signorini.post.report_parts import Page, Table
+from signorini.post.run_folder import RunFolder
+from signorini.post.study_folder import StudyFolder
 
 SINGLE = 1e-6  # pages have numbers of single precision
 PREFIXES = ["n", "µ", "m", "", "k", "M", "G", "T"]
@@ -834,14 +831,3 @@ def study(folder: Path, rows: dict[str, np.ndarray], names: list[str]) -> None:
             same(f"{name}: axes", (axes.get_xlabel(), axes.get_ylabel()), ("seconds", f"error of {titles[name]}"))
     finally:
         style.save = save
-
-
-def check(run: Run) -> None:
-    """Everything that is drawn of a run."""
-    try:
-        page(run)
-        figures(run)
-        film(run)
-    except (KeyError, IndexError, StopIteration, ValueError) as error:
-        fail(f"what is drawn of {Path(run.path).name}", repr(error), "no error")
-        raise

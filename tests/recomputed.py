@@ -27,10 +27,6 @@ def same(what: str, found: object, expected: object) -> None:
     assert found == expected, what
 
 
-def fail(what: str, found: object, expected: object) -> None:
-    raise AssertionError(f"{what}: found {found}, expected {expected}")
-
-
 class Body:
     """Mass, elasticity and viscosity of a body of one material (docs/method.md section 1), as dense matrices; unknown dim·i + c is
     component c of node i."""

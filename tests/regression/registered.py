@@ -37,7 +37,7 @@ def cases(specification: str) -> set[str]:
 def test_every_test_case(commands: list[list[str]]) -> None:
     picked = sorted({word for command in commands for program, word in zip(command, command[1:]) if Path(program) == UNIT})
     every = cases("*,[.]")
-    assert picked and len(every) > 50, "hardly anything was looked at"
+    assert picked and len(every) > 50, "hardly any test was found"
     assert every - cases(",".join(picked)) == set()
 
 
@@ -61,5 +61,5 @@ def test_every_python_test(commands: list[list[str]]) -> None:
     for marker, is_long in (("not long", False), ("long", True)):
         run = {word for word, long in words if long == is_long}
         every = collected([TESTS / part for part in parts], marker)
-        assert len(every) > (3 if is_long else 100), "hardly anything was looked at"
+        assert len(every) > (3 if is_long else 100), "hardly any test was found"
         assert {test for test in every if not run & {test, test.split("::")[0]}} == set()
