@@ -108,19 +108,20 @@ def read_motion(run: RunFolder) -> Motion:
 
 
 def enlargement(largest: float, size: float) -> float:
-    """Returns the factor by which displacements (m) are drawn: 1 unless they are too small to see. `size`: of the body, m."""
+    """Returns the factor by which displacements are enlarged in the picture: 1 unless they are too small to see. `largest`: largest
+    displacement, m; `size`: size of the body, m."""
     return 1.0 if largest == 0 or largest >= SMALL * size else round_down(VISIBLE * size / largest)
 
 
 def round_down(value: float) -> float:
-    """Returns the largest of …, 1, 2, 5, 10, 20, 50, … that is not above the value."""
+    """Returns the largest number of the sequence …, 1, 2, 5, 10, 20, 50, … that does not exceed the value."""
     power = 10 ** math.floor(math.log10(value))
     return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
 
 
 def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
                 stride: int) -> Forces:
-    """Reads the forces of the frames, at no more nodes than have distinguishable arrows."""
+    """Reads the contact forces of all frames, at so few nodes that their arrows can be distinguished."""
     contact, boundary = run.contact, mesh.boundary_nodes()
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places along the boundary of a plane body."""
+"""Positions along the boundary of a plane body."""
 
 from dataclasses import dataclass
 

@@ -16,9 +16,9 @@ Parents = Sequence[argparse.ArgumentParser]  # of options that all verbs share
 
 
 def arguments(description: str, timed: bool, parents: Parents = ()) -> argparse.Namespace:
-    """Parses RUN_FOLDER and, where a figure shows one time, --time."""
+    """Parses the arguments of a script: RUN_FOLDER and, if `timed`, the option --time."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
-    parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="where a run left its files")
+    parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="folder of a run")
     if timed:
         parser.add_argument("--time", type=float, metavar="T",
                             help="time to show, s (default: 0.00175 if the body is in contact then, "
@@ -27,7 +27,7 @@ def arguments(description: str, timed: bool, parents: Parents = ()) -> argparse.
 
 
 def complain(error: Exception) -> None:
-    """Prints an error on stderr, in one sentence."""
+    """Prints an error on stderr, in one line."""
     print(f"{Path(sys.argv[0]).name}: {error}", file=sys.stderr)
 
 

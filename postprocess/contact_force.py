@@ -30,7 +30,7 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     run.check_time(time)
     index = nearest(contact.times, time)
     if given is None and not contact.force[index].any():  # of a run by an earlier version
-        raise NotInRun("no stored step is in contact; output.every = 1 stores all")
+        raise NotInRun("no stored step is in contact; output.every = 1 stores all steps")
     factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
     label = f"nodal contact force ({unit})"
     if run.dim == 3:

@@ -22,7 +22,7 @@ LOOKS = [(style.BLUE, "-"), (style.VERMILION, "--"), (style.GREEN, "-."), (style
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """Draws the force of every step, not of the stored ones only."""
+    """Draws the contact force of every step, not only of the stored steps."""
     run.require_contact()
     if len(run.steps["time"]) < 3:
         raise NotInRun("there are fewer than two time steps")
@@ -62,7 +62,7 @@ def each_obstacle(run: RunFolder) -> dict[str, np.ndarray]:
 
 
 def mean(force: np.ndarray) -> np.ndarray:
-    """Returns means of two neighbouring steps, at the times between them."""
+    """Returns the mean force of each two neighbouring steps, which belongs to the time between them."""
     return (force[2:] + force[1:-1]) / 2
 
 

@@ -19,7 +19,7 @@ from .run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """Draws the part of the surface that ever touches."""
+    """Draws the pressure on the part of the surface that touches an obstacle at any time."""
     run.require_contact()
     contact = run.contact.by_node()
     place = along_surface(run, contact) if run.dim == 2 else around_contact(contact)

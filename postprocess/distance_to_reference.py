@@ -21,7 +21,7 @@ def draw(run: RunFolder) -> list[Path]:
         raise NotInRun("a fit has no reference control")
     iteration, distance = run.history["iteration"], run.history["relative_distance_to_reference"]
     if not np.isfinite(distance).any():
-        raise NotInRun("the desired state was not given by a reference control")
+        raise NotInRun("the scene has no reference control (objective.desired.control)")
     best = int(np.nanargmin(distance))
 
     figure, axes = style.graph()

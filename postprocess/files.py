@@ -35,7 +35,7 @@ def whole_text(file: Path, with_names: bool = False) -> str:
     `with_names`: it contains names of files, which may have bytes that no text has."""
     text = file.read_text(encoding="utf-8", errors="surrogateescape" if with_names else "strict")
     if not text.endswith("\n"):
-        raise ValueError("its end is missing")
+        raise ValueError("the end of the file is missing")
     return text
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measured values beside those of the fitted scene, over time, with the noise of the data as a band."""
+"""Measured and simulated values of a fit over time, with the noise of the data as a band."""
 
 import sys
 from pathlib import Path

@@ -22,11 +22,11 @@ class Mesh:
         return float(np.ptp(self.points, axis=0).max())
 
     def outline(self) -> np.ndarray:
-        """Returns the edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
+        """Returns the boundary edges of a plane body, which belong to one triangle only (edges × 2, node numbers)."""
         return self._edges()[0]
 
     def loops(self) -> list[np.ndarray]:
-        """Returns the closed lines of the boundary of triangles, by their nodes from the first one back to it."""
+        """Returns the closed boundary lines of a plane body: for each the node numbers in order, with the first node repeated at the end."""
         beside: dict[int, list[int]] = {}
         for a, b in self.outline().tolist():
             beside.setdefault(a, []).append(b)
@@ -56,7 +56,7 @@ class Mesh:
         return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer]), outer // 4
 
     def facets(self) -> tuple[np.ndarray, np.ndarray]:
-        """Returns edges of the boundary of triangles, or triangles of that of tetrahedra, and the cell of each."""
+        """Returns the boundary facets of the body (edges in the plane, triangles in space), and the cell that each belongs to."""
         return self._edges() if self.points.shape[1] == 2 else self.surface()
 
     def _edges(self) -> tuple[np.ndarray, np.ndarray]:
@@ -80,7 +80,7 @@ class Series:
     cellwise: bool
 
     def at(self, index: int) -> np.ndarray:
-        """Returns a vector at times[index], nodes or cells × dim."""
+        """Returns the vectors of the field at times[index] (nodes or cells × dim)."""
         # Functions are padded with zeros to three components in the file.
         return self.components(index)[:, : self.mesh.points.shape[1]]
 

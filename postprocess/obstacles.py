@@ -42,7 +42,7 @@ class Obstacle:
 
     @property
     def rigid(self) -> bool:
-        """Whether all points move alike."""
+        """Whether all points of the obstacle have the same displacement at each time."""
         return not self.moves or (self.first_point is None and bool(np.allclose(np.ptp(self.displacement, axis=1), 0)))
 
     def at(self, time: float) -> Facets:
@@ -82,7 +82,7 @@ def read_obstacle(group: h5py.Group, name: str, times: np.ndarray) -> Obstacle:
 
 
 def normals(points: np.ndarray, facets: np.ndarray) -> np.ndarray:
-    """Returns the normals of the facets, of length 1 and out of the obstacle."""
+    """Returns the unit normals of the facets, which point out of the obstacle."""
     sides = points[facets[:, 1:]] - points[facets[:, :1]]
     way = sides[:, 0] @ np.array([[0.0, 1], [-1, 0]]) if points.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     size = np.linalg.norm(way, axis=1, keepdims=True)

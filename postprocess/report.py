@@ -36,7 +36,7 @@ def page_of(folder: Path) -> Page:
         return report_study.page(StudyFolder(folder))
     if folder.is_dir() and not (folder / "scene.toml").is_file():
         inside = sorted(str(path.parent) for name in ("scene.toml", "study.json") for path in folder.glob(f"*/{name}"))
-        raise Unreadable(f"{folder}: this is the folder of neither a run nor a study, since there is no scene.toml "
+        raise Unreadable(f"{folder}: not the folder of a run or a study, since there is no scene.toml "
                          f"and no study.json in it{'; runs inside: ' if inside else ''}{', '.join(inside)}")
     return report_run.page(RunFolder(folder))
 
@@ -64,8 +64,8 @@ def compressed(text: str) -> str:
 
 def main(parents: Parents = ()) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where a run or a study left its files")
-    parser.add_argument("other", type=Path, nargs="?", metavar="OTHER", help="where another run did, to be shown beside the first")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of a run or a study")
+    parser.add_argument("other", type=Path, nargs="?", metavar="OTHER", help="folder of another run, to be shown beside the first")
     given = parser.parse_args()
     try:
         if given.other is None:

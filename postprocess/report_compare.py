@@ -92,7 +92,7 @@ def results(runs: Two, labels: list[str]) -> Table:
         if found != [None, None]:
             units = unit(runs[0])
             rows.append([name, *("–" if value is None else shown(value, units) for value in found), *difference(found, units)])
-    return Table("Differences are those of the second run from the first", ["Quantity", *labels, "Difference", "Relative"], rows)
+    return Table("Differences are the second run minus the first", ["Quantity", *labels, "Difference", "Relative"], rows)
 
 
 def unknowns(runs: Two, labels: list[str]) -> Table:
@@ -107,7 +107,7 @@ def unknowns(runs: Two, labels: list[str]) -> Table:
 
 
 def in_deviations(ones: list[dict | None]) -> list[str]:
-    """Returns the second value less the first, and that over the deviation of a difference of independent data."""
+    """Returns the second value minus the first, and this difference divided by its standard deviation for independent data."""
     if None in ones or None in (values := [one["value"] for one in ones]):
         return ["–", "–"]
     difference, deviations = values[1] - values[0], [one["standard_deviation"] for one in ones]
@@ -116,7 +116,7 @@ def in_deviations(ones: list[dict | None]) -> list[str]:
 
 
 def measured(measure: Callable[[RunFolder], float], run: RunFolder) -> float | None:
-    """Returns a number of a run; None where the run did not write it."""
+    """Returns measure(run), a number; None if the run did not write the data."""
     try:
         value = measure(run)
     except (NotInRun, KeyError, TypeError):
@@ -138,7 +138,7 @@ def difference(found: list[float | None], unit: str) -> list[str]:
 
 
 def mean_force(run: RunFolder) -> Curve:
-    """Returns the means of two steps over the times between them."""
+    """Returns the mean contact force of each two neighbouring steps, over the times between these steps."""
     if not run.has_contact:
         raise NotInRun("the scene has no contact")
     force = run.normal_force
@@ -306,7 +306,7 @@ def motions(runs: Two) -> list[dict]:
 
 
 def alike(found: list[dict], times: np.ndarray, series: list) -> list[dict]:
-    """Reduces motions to the fields that both have, in the same units."""
+    """Reduces two motions to the fields that both have, in the same units."""
     first, second = found
     names = [field["name"] for field in first["fields"] if field["name"] in {other["name"] for other in second["fields"]}]
     for one in found:

@@ -17,8 +17,8 @@ MOST_CURVES = 6
 COLOURS = [style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"]
 FROM_ZERO = {"rangemode": "tozero"}
-ALTERNATE = "Single forces of contact-implicit steps alternate about the true one; the mean of two converges to it."
-WITHIN = "A force acts all through its step and is drawn in the middle of it."
+ALTERNATE = "Forces of single contact-implicit steps alternate about the true force; the mean of two steps converges to it."
+WITHIN = "Each force acts during its whole step and is drawn at the middle of the step."
 
 
 def contact_force(run: RunFolder) -> Chart:
@@ -41,7 +41,7 @@ def contact_force(run: RunFolder) -> Chart:
             views = {"each obstacle": means(run, {name: own[name] for name in own if name in shown}, unit)} | views
             views |= {name: force_over_time(run, force, "normal contact force", unit) for name, force in own.items()}
     note = " ".join([ALTERNATE] * (run.scene["time"]["scheme"] == "contact-implicit") + [WITHIN]
-                    + ["Forces of several obstacles are added by their moduli."] * (len(views) > 1))  # fmt: skip
+                    + ["For several obstacles, the moduli of their forces are added."] * (len(views) > 1))  # fmt: skip
     return Chart("contact-force", "Contact force over time", views, note)
 
 
@@ -94,13 +94,13 @@ def contact_surface(run: RunFolder) -> Chart:
     if run.dim == 2:
         contact = run.contact.by_node()
         views = surface_views(run, contact, along_surface(run, contact))
-        note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all."
+        note = "Forces are nodal forces. Position 0 is the node with the largest force. Double-click to see all."
     else:
         pushes = run.contact.force.any()
         apart = [run.contact.of(i) for i in range(len(names))]
         views = {f"{name}: {view}" if len(names) > 1 else view: shown for name, own in zip(names, apart) if own.force.any() or not pushes
                  for view, shown in surface_views(run, own, around_contact(own)).items()}  # fmt: skip
-        note = ("Of the nodes at about the same distance the largest pressure or force, or the least gap, is shown. Double-click to "
+        note = ("Among nodes at about the same distance, the largest pressure or force, or the smallest gap, is shown. Double-click to "
                 "see all.")  # fmt: skip
     return Chart("contact-surface", "Contact along the surface", views, note)
 
@@ -125,7 +125,7 @@ def along(arc: Arc) -> Place:
 
 
 def around_contact(contact: Contact) -> Place:
-    """Returns rings around the candidate that is pushed the most."""
+    """Returns a map's rows for a body in space: rings around the candidate with the largest force over time."""
     apart = np.linalg.norm(contact.points - contact.points[contact.most_pushed], axis=1)
     count = min(RINGS, max(1, round(np.sqrt(len(apart)))))
     edges = np.linspace(0, apart.max() or 1, count + 1)

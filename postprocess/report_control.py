@@ -70,7 +70,7 @@ def boundary(run: RunFolder) -> list[Chart]:
     place = along(arc_of(control.mesh, control.mesh.points[support], int(np.argmax(size.sum(axis=0)))))
     parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xy") if values[:, :, i].any()}
     views = {name: over_boundary(run.middles(control.times[::every]), place, part) for name, part in parts.items()}
-    return [Chart("control-boundary", "Control along the boundary", views, "Position 0 is where the control pushes the most.")]
+    return [Chart("control-boundary", "Control along the boundary", views, "Position 0 is the place of the largest control.")]
 
 
 def over_boundary(times: np.ndarray, place: Place, values: np.ndarray) -> dict:

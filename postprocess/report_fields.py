@@ -29,7 +29,7 @@ class Field:
 
     @property
     def prefixed(self) -> bool:
-        """Whether the unit may get a prefix."""
+        """Whether the unit of the field may get an SI prefix."""
         return self.unit != "" and not self.unit.startswith("×")
 
     def at(self, time: float) -> np.ndarray:
@@ -74,7 +74,7 @@ def tensors(run: RunFolder) -> Iterator[Field]:
 
 
 def held(run: RunFolder, file: str, name: str) -> Series | None:
-    """Returns a field of a file; None if the file lacks it."""
+    """Returns the field `name` of a file; None if the file has no such field."""
     try:
         return run.field(file, name)
     except NotInRun:
@@ -119,7 +119,7 @@ def nodes_of_facets(mesh: Mesh, acts: np.ndarray) -> np.ndarray:
 
 
 def area(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
-    """Returns lengths of edges or areas of triangles."""
+    """Returns the length of each edge, m, or the area of each triangle, m²."""
     corners = mesh.points[facets]
     if facets.shape[1] == 2:
         return np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)

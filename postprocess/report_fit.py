@@ -53,8 +53,8 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
         return []
     fit = run.manifest["fit"]
     determined = "" if fit["not_told"] else " The data determine all unknowns."
-    return [("Misfit", f"{fit['misfit']:.3g} standard deviations (root mean square of {fit['values']} values): about 1 where the model "
-                       f"explains the data but for their noise.{determined}")]  # fmt: skip
+    return [("Misfit", f"{fit['misfit']:.3g} standard deviations (root mean square of {fit['values']} values): about 1 if the model "
+                       f"explains the data up to their noise.{determined}")]  # fmt: skip
 
 
 def unit_of(run: RunFolder, name: str) -> str:
@@ -80,8 +80,8 @@ def unknowns(run: RunFolder) -> Table:
     for one in run.manifest["unknowns_fitted"]:
         bounds = [f"{one[side]:.4g}" if one[side] is not None else "none" for side in ("lower", "upper")]
         rows.append([one["name"], shown(one["value"], 6), shown(one["standard_deviation"], 3), one["unit"], shown(one["start"], 4),
-                     " … ".join(bounds) + (", at one" if one["at_bound"] else "")])  # fmt: skip
-    return Table("Values with their standard deviations, by the noise of the data",
+                     " … ".join(bounds) + (", at a bound" if one["at_bound"] else "")])  # fmt: skip
+    return Table("Fitted values, with standard deviations that follow from the noise of the data",
                  ["Unknown", "Value", "Deviation", "Unit", "Start", "Bounds"], rows)  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def correlations(run: RunFolder) -> list[Table]:
         return []
     rows = [[name, *(f"{value:+.2f}" for value in row)] for name, row in zip(names, run.manifest["fit"]["correlations"])]
     values = ", ".join(f"{value:.3g}" for value in run.manifest["fit"]["singular_values"])
-    return [Table(f"Correlations: near ±1 the data determine two unknowns together, not each. Singular values of the scaled derivatives: {values}",
+    return [Table(f"Correlations: near ±1, the data determine only a combination of the two unknowns. Singular values of the scaled derivatives: {values}",
                   ["", *names], rows)]  # fmt: skip
 
 
@@ -126,7 +126,7 @@ def residuals(run: RunFolder) -> Chart:
         time, title = time_axis(one.time)
         views[name] = figure([dots("residual", time, (one.simulated - one.value) / one.deviation, style.BLUE, size=4)], title,
                              "residual (deviations)")  # fmt: skip
-    return Chart("residuals-of-data", "Residuals", views, "Simulated less measured, in standard deviations: without a pattern where the model explains the data.")
+    return Chart("residuals-of-data", "Residuals", views, "Simulated minus measured values, in standard deviations; no pattern remains if the model explains the data.")
 
 
 def confidence(run: RunFolder) -> Chart:
@@ -148,8 +148,8 @@ def confidence(run: RunFolder) -> Chart:
         curves.append(dots("fitted", np.array([a["value"]]), np.array([b["value"]]), style.VERMILION, size=9))
         views[f"{a['name']} and {b['name']}"] = figure(curves, axis_title(a), axis_title(b))
     if not views:
-        raise NotInRun("the data determine no two unknowns")
-    return Chart("confidence", "Confidence", views, "Of 100 such measurements so many have the true values within, to first order.")
+        raise NotInRun("the data do not determine two unknowns")
+    return Chart("confidence", "Confidence", views, "Share of repeated measurements whose ellipse contains the true values, to first order.")
 
 
 def axis_title(unknown: dict) -> str:

@@ -16,11 +16,11 @@ def impact(run: RunFolder) -> list[Table]:
     rows = [touch(run, one["name"], one) for one in given["obstacles"]]
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
-    title = (f"Forces are added by their moduli; the force of a step acts all through it. 1 to 99 %: of the impulse. Sustained: the largest mean "
-             f"over {quantity(given['all']['sustained_over'], 's')}, which converges with step and size where the force is smooth. † need not converge with step and size.")
+    title = (f"Moduli of forces are added; the force of a step acts during the whole step. 1 to 99 %: time for this part of the impulse. Sustained: the largest mean "
+             f"over {quantity(given['all']['sustained_over'], 's')}, which converges with step and size if the force is smooth. †: need not converge with step and size.")
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
-        title += " ∗ as contact begins, before a wave has crossed the body."
-    head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant of it", "Sustained peak", "Peak of two steps †"]
+        title += " ∗: as contact begins, before a wave has crossed the body."
+    head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant impulse", "Sustained peak", "Peak of two steps †"]
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
         body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
@@ -75,4 +75,4 @@ def energy_account(run: RunFolder) -> list[Table]:
              "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
     factor, unit = prefixed(np.array(list(terms.values())), unit)
     rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value or name.startswith("Kinetic")]
-    return [Table("Where the energy came from and went to: the last line is the sum of those above", ["Energy", unit], rows)]
+    return [Table("Energy account: the last line is the sum of the lines above", ["Energy", unit], rows)]

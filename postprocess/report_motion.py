@@ -77,7 +77,7 @@ def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
     cut = None if run.dim == 2 else cut_open(mesh, faces, cut_point(run, peak), eye(run, mesh))
     nodes = np.unique(np.concatenate([faces.ravel()] + ([] if cut is None else [cut.pairs.ravel()])))
     if len(nodes) > MOST_NODES:
-        raise NotInRun(f"{whole(len(nodes))} nodes are more than a page can hold")
+        raise NotInRun(f"{whole(len(nodes))} nodes are too many for a page")
     own = np.zeros(len(mesh.points), int)
     own[nodes] = np.arange(len(nodes))
     small = Mesh(mesh.points[nodes], own[faces])

@@ -25,7 +25,7 @@ class Chart:
 
     @staticmethod
     def single(name: str, title: str, view: dict, note: str = "") -> "Chart":
-        """Makes a chart with nothing to select."""
+        """Makes a chart with a single view and no selector."""
         return Chart(name, title, {"": view}, note)
 
 
@@ -65,7 +65,7 @@ class Page:
     left_out: list[str]
 
     def shown(self) -> list[Section]:
-        """Returns the sections that are not empty."""
+        """Returns the sections of the page that are not empty."""
         return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file]
 
     def data(self) -> dict:
@@ -127,11 +127,11 @@ def time_axis(times: np.ndarray) -> tuple[np.ndarray, str]:
 
 
 def quantity(value: float, unit: str) -> str:
-    """Writes a number with its unit, prefixed such that it is short."""
+    """Writes a number with its unit; an SI prefix keeps the number short."""
     factor, unit = prefixed(value, unit)
     return f"{value * factor:.4g} {unit}"
 
 
 def whole(number: float) -> str:
-    """Writes a count with its thousands apart, nothing for NaN."""
+    """Writes a whole number with separated thousands; an empty text for NaN."""
     return "" if np.isnan(number) else f"{number:,.0f}"

@@ -118,7 +118,7 @@ def error_indicators(run: RunFolder) -> Chart:
             traces.append(line(name, x, y, shade, width=1) | {"fill": "toself", "fillcolor": shade, "hoverinfo": "skip"})
     traces.append(line("mesh", *outlines.reshape(-1, 2).T, GREY, width=0.5))
     view = figure(traces, "x (m)", "y (m)", yaxis={"scaleanchor": "x"})
-    return Chart.single("error-indicators", "The mesh, and each cell's share in the error of J", view, "Moduli, relative to J.")
+    return Chart.single("error-indicators", "The mesh, and each cell's share in the error of J", view, "Absolute values, relative to J.")
 
 
 def masses(scene: dict) -> list[str]:
@@ -153,7 +153,7 @@ def energies(run: RunFolder) -> Chart:
     note = ""
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
-        note = "The potential of the loads falls by the work that they do; it is 0 where it is least."
+        note = "The potential of the loads falls by the work of the loads; its least value is set to 0."
     curves.append(line("kinetic + elastic" + " + potential" * (potential is not None), times, whole_energy * factor, "black"))
     other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
     if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):
@@ -176,13 +176,13 @@ def residuals(run: RunFolder) -> Chart:
     times, title = time_axis(run.steps["time"])
     laws = {name: law for name, law in relative_residuals(run.steps, run.has_contact).items() if (law > 0).any()}
     if not laws:
-        raise NotInRun("each step keeps its laws without any rest")
+        raise NotInRun("all residuals are zero")
     looks = [(style.BLUE, "circle"), (style.VERMILION, "diamond"), (style.GREEN, "square")]
     curves = [dots(name, times, positive(law), *look) for (name, law), look in zip(laws.items(), looks)]
     tolerance = np.full(2, run.scene["run"]["tolerance"])
     curves.append(line("run.tolerance", times[[0, -1]], tolerance, GREY, "dash", 1.5))
     view = figure(curves, title, "relative residual", yaxis=logarithmic(*laws.values(), tolerance))
-    note = "Of the energy law relative to the largest energy, of the momentum law to the largest forces. Zeros have no mark."
+    note = "Residuals of the energy law are relative to the largest energy, those of the momentum law to the largest forces. Zeros have no mark."
     return Chart.single("residuals", "Residuals of each step", view, note)
 
 
@@ -194,7 +194,7 @@ def relative_residuals(steps: Columns, has_contact: bool) -> dict[str, np.ndarra
 
 
 def positive(values: np.ndarray) -> np.ndarray:
-    """Replaces values that have no logarithm by NaN."""
+    """Replaces values that are not positive by NaN, for logarithmic axes."""
     return np.where(values > 0, values, np.nan)
 
 
@@ -202,8 +202,8 @@ def invariants(run: RunFolder) -> Table:
     """Makes a table of the largest residuals of the run, as the program measured them."""
     watched = run.manifest.get("invariants")
     if not watched:
-        raise NotInRun("the run did not watch invariants")
-    return Table("The worst of all steps, beyond what rounding explains", ["Law, residual / scale", "Worst", "Step"],
+        raise NotInRun("the run did not check invariants (run.invariants = 'off')")
+    return Table("Largest residuals of all steps, in excess of rounding errors", ["Law, residual / scale", "Worst", "Step"],
                  [[name, f"{defect['worst']:.2g}", whole(defect["step"])] for name, defect in watched.items()])
 
 
@@ -238,17 +238,17 @@ def gradient_norm(run: RunFolder) -> Chart:
 
 
 def distance(run: RunFolder) -> Chart:
-    """Makes the chart of the control's distance from the one that made the desired state."""
+    """Makes the chart of the control's distance from the reference control over the iterations."""
     iteration, relative = run.history["iteration"], run.history["relative_distance_to_reference"]
     if not (relative > 0).any():
-        raise NotInRun("the desired state was not given by a reference control")
+        raise NotInRun("the scene has no reference control (objective.desired.control)")
     curve = line("distance", iteration, positive(relative), style.BLUE)
     view = figure([curve], "iteration", "‖u − u<sub>ref</sub>‖ / ‖u<sub>ref</sub>‖", yaxis=logarithmic(relative))
     return Chart.single("distance", "Distance to the reference control", view)
 
 
 def tracking_error(run: RunFolder) -> Chart:
-    """Makes the chart of the state's distance from the desired one, over time."""
+    """Makes the chart of the distance between state and desired state over time."""
     error = run.steps.get("tracking_error", np.array([np.nan]))
     if not np.isfinite(error).any():
         raise NotInRun("the run has no desired state")

@@ -30,7 +30,7 @@ def page(study: StudyFolder) -> Page:
     except KeyError as error:
         raise Unreadable(f"{study.path / 'study.json'}: there is no entry {error.args[0]}") from None
     except (TypeError, AttributeError) as error:
-        raise Unreadable(f"{study.path / 'study.json'}: is not as a study writes it ({error})") from None
+        raise Unreadable(f"{study.path / 'study.json'}: does not have the form that a study writes ({error})") from None
 
 
 def work_precision(study: StudyFolder) -> Chart:
@@ -40,9 +40,9 @@ def work_precision(study: StudyFolder) -> Chart:
     if not views:
         raise Unreadable(f"{study.path / 'study.csv'}: no rung has an error")
     return Chart("work-precision", "Error against time", views,
-                 "Each mark is one rung. The dashed line joins those that no faster one equals, at the largest error of each and of "
-                 "all finer rungs, so that errors which are small by coincidence do not count. Below the dotted line, the error bar of the "
-                 "finest rung, errors mean nothing.")
+                 "Each mark is one rung. The dashed line joins the rungs that no faster rung equals, at the largest error of each rung and of "
+                 "all finer rungs, so that errors which are small by coincidence do not count. The dotted line is the error bar of the "
+                 "finest rung; errors below it have no meaning.")
 
 
 def view(study: StudyFolder, name: str) -> dict:
@@ -77,7 +77,7 @@ def described(rung: Rung, name: str) -> str:
     lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, " + (f"steps of {rung['step']:.2g} s on average, {rung.step}" if rung.method.chosen else f"step {rung.step} s"),
              f"{whole(rung['unknowns'])} unknowns, {whole(rung['steps'])} steps",
              f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}",
-             f"there and at finer rungs at most {percent(rung[f'{name}_envelope'])}"]  # fmt: skip
+             f"at this rung and all finer ones at most {percent(rung[f'{name}_envelope'])}"]  # fmt: skip
     if not math.isnan(rung[f"{name}_estimate"]):
         lines.append(f"estimated {percent(rung[f'{name}_estimate'])}")
     return "<br>".join(lines)
@@ -90,7 +90,7 @@ def heading(study: StudyFolder, name: str) -> str:
 def orders(study: StudyFolder) -> Table:
     rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"], order["steps"] == "chosen", order["mesh"] == "graded")),
              *(observed(order, part) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
-    return Table("Powers of the element size, the time step and of both refined together with which errors fall, and "
+    return Table("Orders with which errors fall with the element size, the time step, and both refined together, and "
                  "their range from rung to rung. Not in the asymptotic range: differences of successive rungs change sign, do not "
                  "fall, or fall faster than the method's errors can",
                  ["Quantity", "Method", "Space", "Time", "Both"], rows)
@@ -110,8 +110,8 @@ def values(study: StudyFolder, name: str) -> Table:
     what = study.manifest["quantities"][name]
     unit = f", {what['unit']}" if what["unit"] and any(not math.isnan(rung[name]) for rung in study.rungs) else ""
     bar = f", {what['bar']['words']}" if what["bar"] else ""
-    title = (f"{heading(study, name)}{unit}: errors against the {what['reference']}{bar}. At most: the largest error there and at all finer "
-             "rungs. ★: no faster rung has less")  # fmt: skip
+    title = (f"{heading(study, name)}{unit}: errors against the {what['reference']}{bar}. At most: the largest error of this rung and all finer "
+             "ones. ★: no faster rung has a smaller error")  # fmt: skip
     one = len(study.methods) == 1
     rows = [[rung.name, f"{rung['size']:g}", rung.step, *([] if one else [str(rung.method)]), digits(rung[name], 6),
              percent(rung[f"{name}_error"]), percent(rung[f"{name}_envelope"]) + (" ★" if rung[f"{name}_pareto"] == 1 else ""),
@@ -131,7 +131,7 @@ def searches(study: StudyFolder) -> Table:
     head = ["Tolerance", "Sweeps, forward + adjoint", "Time (s)", "J", "Above the least", "Ends"]
     rows = [[f"{search['tolerance']:g}", f"{whole(search['forward_sweeps'])} + {whole(search['adjoint_sweeps'])}", digits(search["seconds"]), digits(search["J"], 8),
              digits(search["J_above_least"], 2), search.stop_reason] for search in study.searches]  # fmt: skip
-    return Table("Searches of the optimum on the scene's own mesh and steps, by optimizer.tolerance; J above the least value found, relative to it", head, rows)
+    return Table("Searches of the optimum on the scene's own mesh and steps, by optimizer.tolerance; relative excess of J over the least value found", head, rows)
 
 
 def digits(value: float | None, count: int = 3) -> str:

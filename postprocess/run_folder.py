@@ -43,7 +43,7 @@ class Contact:
 
     @property
     def most_pushed(self) -> int:
-        """Number of the candidate with the largest force over time; without forces, of that nearest to its obstacle."""
+        """Number of the candidate with the largest force over time; without forces, of the candidate nearest to its obstacle."""
         total = self.force.sum(axis=0)
         return int(np.argmax(total) if total.any() else np.argmin(self.gap.min(axis=0)))
 
@@ -59,7 +59,7 @@ class Contact:
         return Contact(self.times, points, np.zeros(len(points), int), gap, force, touches, self.normal[first], pressure)
 
     def of(self, obstacle: int) -> "Contact":
-        """Returns the candidates of one obstacle alone."""
+        """Returns the contact data of the candidates of one obstacle."""
         own = self.obstacle == obstacle
         return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own],
                        self.touches[:, own], self.normal[own], self.pressure[:, own])  # fmt: skip
@@ -157,7 +157,7 @@ class RunFolder:
 
     @property
     def plane_normal(self) -> np.ndarray | None:
-        """Direction out of the only obstacle of a scene, if that is a plane; else None."""
+        """Outward normal of the obstacle if the scene has only one and it is a plane; else None."""
         if not self.has_contact or len(self.obstacle_names) > 1 or not self.obstacles[0].flat:
             return None
         return normals(self.obstacles[0].points, self.obstacles[0].facets)[0]
@@ -169,7 +169,7 @@ class RunFolder:
         numbers = np.unique(table["obstacle"])
         rows = [table["obstacle"] == number for number in numbers]
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
-            raise Unreadable(f"{self.path / 'obstacles.csv'}: it has not one row for each step and obstacle")
+            raise Unreadable(f"{self.path / 'obstacles.csv'}: the number of rows is not that of steps times obstacles")
         force, active = table["normal_force"], table["active"]
         return [ObstacleSteps(name, force[own], active[own]) for name, own in zip(self.obstacle_names, rows)]
 
@@ -191,7 +191,7 @@ class RunFolder:
 
     @property
     def has_contact_table(self) -> bool:
-        """Whether the run left contact.csv."""
+        """Whether the run wrote contact.csv."""
         return (self.path / "contact.csv").is_file()
 
     @property
@@ -229,7 +229,7 @@ class RunFolder:
         if "normal_force" in self.steps:
             return self.steps["normal_force"]
         if (normal := self.plane_normal) is None:
-            raise NotInRun("the run wrote contact forces as a resultant only")
+            raise NotInRun("the run wrote only the resultant of the contact forces")
         return self.resultant @ normal
 
     @property
@@ -290,7 +290,7 @@ class RunFolder:
 
     @property
     def last_time(self) -> float:
-        """Time that the run reached, s."""
+        """Last time of the computed motion, s."""
         time = self.scene["time"]
         if time["step"] != "auto":
             return self.steps_done * time["step"]
@@ -347,23 +347,23 @@ class RunFolder:
         return self.path / file, dataset
 
     def entry(self, read: Callable[[], T]) -> T:
-        """Returns an entry of run.json or scene.toml by `read`. Raises Unreadable if there is no such entry."""
+        """Returns read(), an entry of run.json or scene.toml. Raises Unreadable if there is no such entry."""
         try:
             return read()
         except (KeyError, TypeError, AttributeError) as error:
             found = f"{type(error).__name__}: {error}"
-            raise Unreadable(f"{self.path}: run.json or scene.toml is not as a run writes it ({found})") from None
+            raise Unreadable(f"{self.path}: run.json or scene.toml does not have the form that a run writes ({found})") from None
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
         """Reads a .csv file. Raises Unreadable unless it has as many rows as run.json counts, if there is one."""
         table = self.read(file, lambda path: read_csv(path, {"obstacle": self.obstacle_names, "status": STATUS} if file == "contact.csv" else {}))
         found = len(next(iter(table.values())))
         if (self.path / "run.json").is_file() and found != (counted := self.entry(rows)):
-            raise Unreadable(f"{self.path / file}: found {found} rows, but run.json counts {counted}: it was cut, or is of another run")
+            raise Unreadable(f"{self.path / file}: found {found} rows, but run.json counts {counted}: the file was cut, or belongs to another run")
         return table
 
     def read(self, file: str, read: Callable[[Path], T]) -> T:
-        """Reads a file of the folder by a function of its path. Raises NotInRun, Unreadable."""
+        """Returns `read` of the path of a file of the folder. Raises NotInRun if the file is missing, Unreadable if it is damaged."""
         path = self.path / file
         if not path.is_file():
             verb = f", a run of {self.verb}" if (self.path / "run.json").is_file() else ""
@@ -378,7 +378,7 @@ def read_scene(file: Path) -> dict:
     """Reads scene.toml. Raises ValueError if its last key is missing, since a part of the file is valid TOML, too."""
     scene = tomllib.loads(whole_text(file, with_names=True))
     if "tables" not in scene.get("output", {}):
-        raise ValueError("its end is missing")
+        raise ValueError("the end of the file is missing")
     return scene
 
 

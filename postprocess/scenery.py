@@ -56,13 +56,13 @@ def scenery(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, 
 
 
 def comes_near(obstacle: Obstacle, times: np.ndarray, position: np.ndarray, size: float) -> bool:
-    """Whether any part of an obstacle ever is within the body's size of the box around the body."""
+    """Whether any part of an obstacle, at any frame, is closer to the box around the body than the body's size."""
     shown = range(0, len(times), max(1, len(times) // 20))
     return any(within(obstacle.at(times[i]), position[i], size) for i in shown)
 
 
 def within(surface: Facets, body: np.ndarray, distance: float) -> bool:
-    """Whether the box of any facet is nearer than `distance` to that of a body."""
+    """Whether the box around any facet is nearer than `distance` (m) to the box around the body."""
     points, facets = surface
     corners = points[facets]
     apart = np.maximum(corners.min(axis=1, initial=np.inf) - body.max(axis=0), body.min(axis=0) - corners.max(axis=1, initial=-np.inf))

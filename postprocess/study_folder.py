@@ -25,7 +25,7 @@ def is_study(folder: Path) -> bool:
 
 @dataclass(frozen=True)
 class Method:
-    """Method: the properties of a rung besides size and step."""
+    """Method of a rung: its properties besides size and step, such as degree and scheme."""
 
     degree: int
     scheme: str
@@ -49,7 +49,7 @@ class Rung:
 
     @property
     def step(self) -> str:
-        """Length of the rung's steps, or the tolerance by which they were chosen."""
+        """Length of the rung's steps, s; for steps of varying length their tolerance."""
         return f"tolerance {self['tolerance']:g}" if self.method.chosen else f"{self['step']:g}"
 
     def __getitem__(self, column: str) -> float:

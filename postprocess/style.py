@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Look of all figures: one copy of sizes and colours, legible at half their size."""
+"""Appearance of all figures: common sizes and colours; figures are legible at half their size."""
 
 import io
 import os
@@ -78,7 +78,7 @@ def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inc
 
 
 def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
-    """Returns factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000; kg have a prefix already."""
+    """Returns a factor and a prefixed unit with which the largest value (in `unit`) is between 1 and 1000. kg gets no further prefix."""
     largest = float(np.max(np.abs(values)))
     if largest == 0 or not np.isfinite(largest) or unit.startswith("kg"):
         return 1.0, unit

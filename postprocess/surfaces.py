@@ -25,7 +25,7 @@ def zeros(cells: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def between(pairs: np.ndarray, weight: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Interpolates values at nodes to points between two of them."""
+    """Interpolates nodal values linearly to points between pairs of nodes. `weight`: weight of the second node of each pair."""
     first, second = values[pairs[:, 0]], values[pairs[:, 1]]
     return first + weight.reshape(-1, *[1] * (values.ndim - 1)) * (second - first)
 

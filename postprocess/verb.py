@@ -32,7 +32,7 @@ def main() -> int:
     try:
         script = importlib.import_module(f".{SCRIPTS[verb]}", __package__)
     except ModuleNotFoundError as missing:
-        print(f"signorini {verb}: found no Python package {missing.name} ({sys.executable}); use a python3 with numpy, h5py, "
+        print(f"signorini {verb}: the Python package {missing.name} is missing ({sys.executable}); use a python3 with numpy, h5py, "
               "matplotlib, jinja2 and plotly", file=sys.stderr)  # fmt: skip
         return 2
     return script.main([shared])
@@ -43,7 +43,7 @@ def shared_options() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--threads", type=int, metavar="N",
                         help="threads of numerical libraries (default: OMP_NUM_THREADS, else one per core)")  # fmt: skip
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
     return parser
 
 

@@ -76,7 +76,7 @@ def require_search(folder: Path) -> None:
     if not (folder / "run.json").is_file() or at_work(folder) or (folder / "history.csv").is_file():
         return
     verb = RunFolder(folder).verb
-    cure = ('its output.tables was without "history"' if verb == "optimize"
+    cure = ('its output.tables does not contain "history"' if verb == "optimize"
             else f"plot shows the convergence of signorini optimize; try signorini report {folder}")  # fmt: skip
     raise NotInRun(f"{folder}: found a run of {verb} without history.csv; {cure}")
 
@@ -104,8 +104,8 @@ def watch(folder: Path, every: float) -> None:
 
 def main(parents: Parents = ()) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
-    parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="where a run leaves its files")
-    parser.add_argument("--every", type=float, default=1, metavar="T", help="seconds from one look to the next (default: 1)")
+    parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="folder of a run")
+    parser.add_argument("--every", type=float, default=1, metavar="T", help="seconds between updates (default: 1)")
     given = parser.parse_args()
     try:
         if not given.every > 0:

@@ -21,7 +21,7 @@ NAMES = {("contact-implicit", "consistent"): "contact-implicit", ("contact-stabi
 
 
 def front(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Returns the points that no faster one equals in accuracy, by seconds."""
+    """Returns the points (seconds, error) for which no faster point is at least as accurate, in ascending order of seconds."""
     best: list[tuple[float, float]] = []
     for seconds, error in sorted(points):
         if not best or error < best[-1][1]:
@@ -58,7 +58,7 @@ def draw(study: StudyFolder, quantity: str) -> Path:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, metavar="STUDY_FOLDER", help="where a study left its files")
+    parser.add_argument("folder", type=Path, metavar="STUDY_FOLDER", help="folder of a study")
     folder = parser.parse_args().folder
     if not is_study(folder):
         complain(Unreadable(f"{folder}: found no study.json; give the folder of a study"))

@@ -802,7 +802,7 @@ def study(folder: Path, rows: dict[str, np.ndarray], names: list[str]) -> None:
         for n, one in zip(np.flatnonzero(shown), texts, strict=True):
             same("what is said of a rung", one, "<br>".join([
                 f"<b>{method}</b>", f"size {rows['size'][n]:g} m, step {rows['step'][n]:g} s", f"{rows['unknowns'][n]:,.0f} unknowns, {rows['steps'][n]:,.0f} steps",
-                f"error {percent(error[n])} in {quantity(rows['seconds'][n], 's')}", f"there and at finer rungs at most {percent(rows[f'{name}_envelope'][n])}",
+                f"error {percent(error[n])} in {quantity(rows['seconds'][n], 's')}", f"at this rung and all finer ones at most {percent(rows[f'{name}_envelope'][n])}",
                 *([f"estimated {percent(rows[f'{name}_estimate'][n])}"] if np.isfinite(rows[f"{name}_estimate"][n]) else [])]))  # fmt: skip
         same("who is on the front", views[title]["data"][-1]["marker"]["line"]["width"], [1.5 if n in best else 0 for n in np.flatnonzero(shown)])
         table = next(table for key, table in tables.items() if key == title)

@@ -28,16 +28,16 @@ std::optional<double> finite(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-/// A relative difference: 0 if both are zero, absent if `size` alone is.
+/// Quotient difference / size: 0 if both are zero, absent if it is not finite.
 std::optional<double> relative(double difference, double size) {
   return difference == 0 && size == 0 ? 0 : finite(difference / size);
 }
 
-/// Divisor of a quantity's errors: the norm of the known values, 1 for a quantity that is relative already.
+/// Divisor of a quantity's errors: the norm of the known values; 1 for a quantity that is relative already.
 double scale(const Quantity& quantity, Values known) { return quantity.absolute ? 1 : norm(known); }
 
-/// Relative distance of a run to known values, of another run or exact; absent where one of them is not
-/// finite.
+/// Distance between a quantity in a run and its known values, which are exact or those of another run,
+/// divided by scale(); absent if it is not finite.
 template <class Known>
 std::optional<double> distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
   const Values there = known.values(quantity);
@@ -57,12 +57,12 @@ bool alike(const Rung& a, const Rung& b) {
          a.graded == b.graded;
 }
 
-/// Rungs of one degree, scheme, kind of steps and kind of mesh that have run, from coarse to fine.
-using Family = std::vector<const Result*>;
+/// Rungs that have run and have the same degree, scheme, kind of steps and kind of mesh, from coarse to fine.
+using Family = std::vector<const RungResult*>;
 
-std::vector<Family> families(const std::vector<Result>& results) {
+std::vector<Family> families(const std::vector<RungResult>& results) {
   std::vector<Family> all;
-  for (const Result& result : results) {
+  for (const RungResult& result : results) {
     if (!result.measured)
       continue;
     const auto own = std::ranges::find_if(
@@ -70,23 +70,25 @@ std::vector<Family> families(const std::vector<Result>& results) {
     (own == all.end() ? all.emplace_back() : *own).push_back(&result);
   }
   for (Family& family : all)
-    std::ranges::sort(family, [](const Result* a, const Result* b) { return finer(b->rung, a->rung); });
+    std::ranges::sort(family,
+                      [](const RungResult* a, const RungResult* b) { return finer(b->rung, a->rung); });
   return all;
 }
 
-/// Chains of a family's rungs and the limits of their quantity.
+/// Chains of values of a quantity over the rungs of a family: refined in space, in time, and in both; with
+/// the limits for each chain.
 struct Chains {
   Chain space, time, both;
   Limits in_space{}, in_time{}, in_both{};
 };
 
-/// Values of those rungs of a family that have a finite number, from coarse to fine. Meshes of different size
-/// with equally many unknowns are the same and count once.
+/// Values of a quantity on those rungs of a family on which the quantity is finite, from coarse to fine.
+/// Meshes of different size with equally many unknowns are equal, and count once.
 Chain chain(const Quantity& quantity, const Family& members, double (*width)(const Rung&)) {
   Chain values;
   long unknowns = -1;
   double size = 0;
-  for (const Result* member : members) {
+  for (const RungResult* member : members) {
     if (!is_finite(quantity, *member->measured))
       continue;
     const Value value{width(member->rung), member->measured->values(quantity)};
@@ -102,11 +104,12 @@ double size_of(const Rung& rung) { return rung.size; }
 double step_of(const Rung& rung) { return rung.step_width(); }
 bool same_steps(const Rung& a, const Rung& b) { return a.step_width() == b.step_width(); }
 
-/// Chains through the rung `at`: the rungs with its steps, the rungs with its size, and rungs that refine
-/// both. The last goes back from `at`, each time to the next coarser size with the next longer step.
+/// Chains that end at the rung `at`: over rungs with the same steps, over rungs with the same size, and over
+/// rungs that refine both. The last chain is built backwards from `at`; each preceding rung has the next
+/// coarser size and a longer step.
 Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
   Family space, time, both;
-  for (const Result* member : members) {
+  for (const RungResult* member : members) {
     if (same_steps(member->rung, at) && member->rung.size >= at.size)
       space.push_back(member);
     if (member->rung.size == at.size && step_of(member->rung) >= step_of(at))
@@ -142,7 +145,7 @@ Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
 
 Orders orders_of(const Quantity& quantity, const Family& members, const Exact& exact) {
   Rung finest = members.back()->rung;
-  for (const Result* member : members)
+  for (const RungResult* member : members)
     if (step_of(member->rung) < step_of(finest))
       finest.steps = member->rung.steps, finest.tolerance = member->rung.tolerance;
   const Chains along = chains(quantity, members, finest);
@@ -158,14 +161,14 @@ Orders orders_of(const Quantity& quantity, const Family& members, const Exact& e
                                 : observed_order(along.both, along.in_both)};
 }
 
-/// The error of a run by Richardson extrapolation from its differences to the next coarser ones, if they fall
-/// with orders that make sense.
-std::optional<double> extrapolated(const Quantity& quantity, const Family& members, const Result& result,
+/// Estimates the error of a run by Richardson extrapolation, from the differences to the next coarser runs in
+/// size and in step; absent unless the observed orders are in the asymptotic range.
+std::optional<double> extrapolated(const Quantity& quantity, const Family& members, const RungResult& result,
                                    const Orders& orders) {
   if (!orders.space || !orders.time || !orders.space->asymptotic || !orders.time->asymptotic)
     return std::nullopt;
-  const Result *wider = nullptr, *longer = nullptr;
-  for (const Result* other : members) {
+  const RungResult *wider = nullptr, *longer = nullptr;
+  for (const RungResult* other : members) {
     if (same_steps(other->rung, result.rung) && other->rung.size > result.rung.size &&
         (!wider || other->rung.size < wider->rung.size))
       wider = other;
@@ -186,7 +189,7 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
                 part(*time, step_of(longer->rung) / step_of(result.rung), orders.time->slope));
 }
 
-/// Whether a relative bar is absent, no more than rounding, or in the asymptotic range.
+/// Whether a part of an error bar is absent, explained by rounding, or from values in the asymptotic range.
 bool in_range(const Chain& values, const Limits& limits, const std::optional<double>& bar) {
   constexpr double factor = 10; // includes the bar's own factor
   if (!bar || *bar <= factor * rounding)
@@ -196,7 +199,7 @@ bool in_range(const Chain& values, const Limits& limits, const std::optional<dou
 }
 
 std::optional<ReferenceBar> reference_bar(const Quantity& quantity, const Family& members,
-                                          const Result& reference) {
+                                          const RungResult& reference) {
   const Measured& run = *reference.measured;
   const Chains along = chains(quantity, members, reference.rung);
   const double whole = scale(quantity, run.values(quantity));
@@ -219,7 +222,7 @@ std::optional<ReferenceBar> reference_bar(const Quantity& quantity, const Family
   return bar.size || bar.step || bar.adjoint ? std::optional(bar) : std::nullopt;
 }
 
-std::vector<std::optional<double>> envelopes(const Errors& errors, const std::vector<Result>& results) {
+std::vector<std::optional<double>> envelopes(const Errors& errors, const std::vector<RungResult>& results) {
   std::vector<std::optional<double>> all = errors.error;
   for (std::size_t i = 0; i < results.size(); ++i)
     for (std::size_t j = 0; j < results.size() && all[i]; ++j) {
@@ -232,7 +235,7 @@ std::vector<std::optional<double>> envelopes(const Errors& errors, const std::ve
   return all;
 }
 
-std::vector<bool> pareto_front(const std::vector<Result>& results,
+std::vector<bool> pareto_front(const std::vector<RungResult>& results,
                                const std::vector<std::optional<double>>& error) {
   std::vector<bool> front(results.size(), false);
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -246,10 +249,11 @@ std::vector<bool> pareto_front(const std::vector<Result>& results,
   return front;
 }
 
-/// The finest rung: the smallest size, then the most steps or the smallest tolerance. Steps do not compare
-/// with tolerances, nor meshes of one size with graded ones. Of the finest of each kind, at the smallest
-/// size, it is the one with the smallest error bar, if all have one, else the one with most steps.
-std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Result>& results) {
+/// Number of the finest rung on which a quantity is finite. For each kind of steps and of mesh, the finest
+/// rung has the smallest size, then the most steps or the smallest tolerance. Kinds cannot be compared by
+/// size and step: among the finest rungs of all kinds, at the smallest size, the one with the smallest error
+/// bar counts if all have one, else the one with most steps.
+std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<RungResult>& results) {
   std::vector<std::size_t> found; // the finest of each kind
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i].measured || !is_finite(quantity, *results[i].measured))
@@ -296,7 +300,7 @@ double highest_order_in_size(const Quantity& quantity, int degree) {
   return quantity.field ? degree + 1 : 2 * degree;
 }
 
-Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
+Errors errors(const Quantity& quantity, const std::vector<RungResult>& results, const Exact& exact) {
   Errors found;
   found.quantity = quantity;
   found.exact = exact.knows(quantity);
@@ -317,7 +321,7 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
   }
   for (const Family& family : families(results)) {
     const Orders orders = orders_of(quantity, family, {});
-    for (const Result* member : family) {
+    for (const RungResult* member : family) {
       const auto i = static_cast<std::size_t>(member - results.data());
       if (!found.estimate[i])
         found.estimate[i] = extrapolated(quantity, family, *member, orders);
@@ -339,7 +343,8 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
   return found;
 }
 
-std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
+std::vector<Orders> orders(const Quantity& quantity, const std::vector<RungResult>& results,
+                           const Exact& exact) {
   std::vector<Orders> all;
   for (const Family& family : families(results))
     if (const Orders found = orders_of(quantity, family, exact); found.space || found.time || found.both)

@@ -5,78 +5,83 @@
 
 namespace signorini::accuracy {
 
-/// Error bar of the finest rung, relative; see error_bar().
+/// Error bar of a quantity on the reference rung, relative to the quantity's norm (error_bar()).
 struct ReferenceBar {
   double value = 0;
-  std::optional<double> size, step; ///< its parts, from rungs that differ in these alone; absent without any
-  bool adjoint = false;             ///< whether the value includes the adjoint's estimate of both
+  std::optional<double> size, step; ///< parts due to element size and to step length; absent if not estimated
+  bool adjoint = false;             ///< whether `value` takes the adjoint's error estimate into account
   bool asymptotic = true;           ///< whether the parts are in the asymptotic range
 };
 
-/// Errors of one quantity, rung by rung.
+/// Errors of one quantity on all rungs; the vectors have an entry for each rung. Errors are relative to the
+/// norm of the exact value or of the reference; absolute for quantities that are relative already.
 struct Errors {
   Quantity quantity;
-  bool exact = false;
-  std::optional<std::size_t> reference;        ///< the finest rung that has run, without an exact value; of
-                                               ///< steps of one length and chosen ones the smaller error bar
-  std::optional<ReferenceBar> bar;             ///< error bar of the reference; absent if it has none
-  std::vector<std::optional<double>> error;    ///< relative
-  std::vector<std::optional<double>> estimate; ///< estimated error, from the run and coarser ones alone
-  /// Estimate over error; absent unless the reference's own error, by its estimate, is small beside the
-  /// error.
+  bool exact = false;                          ///< whether errors are those against an exact value
+  std::optional<std::size_t> reference;        ///< number of the finest rung that has run, if there is no
+                                               ///< exact value; among kinds of steps the smaller error bar
+  std::optional<ReferenceBar> bar;             ///< error bar of the reference; absent if not estimated
+  std::vector<std::optional<double>> error;    ///< error of each rung
+  std::vector<std::optional<double>> estimate; ///< error estimated from the rung and coarser ones only
+  /// Ratio of `estimate` to `error`; absent unless the estimated error of the reference is small relative to
+  /// the rung's error.
   std::vector<std::optional<double>> effectivity;
-  /// The largest error of the rung and of those in its family (degree, scheme, kind of steps and of mesh)
-  /// that are as fine or finer in size and in step. Absent if one of them has no number. It never falls
-  /// towards coarser rungs, so that errors that are small by coincidence do not count.
+  /// Largest error among the rung and those rungs of its family (same degree, scheme, kind of steps and kind
+  /// of mesh) that are at least as fine in size and in step. Absent if one of these errors is. Never
+  /// decreases towards coarser rungs, so that an error that is small by coincidence does not count.
   std::vector<std::optional<double>> envelope;
-  std::vector<bool> pareto; ///< no cheaper rung has as small an envelope
+  std::vector<bool> pareto; ///< whether no cheaper rung has an envelope that is at most as large
 };
 
-/// Observed orders of a quantity for one degree, scheme, kind of steps and kind of mesh.
+/// Observed orders of convergence of a quantity, for one degree, scheme, kind of steps and kind of mesh.
 struct Orders {
   std::string quantity;
   int degree = 1;
   scene::ContactScheme scheme;
-  bool chosen; ///< whether the motion chooses the steps, by tolerances
-  bool graded; ///< whether the sizes of the meshes vary
-  std::optional<Order> space, time, both;
+  bool chosen;                            ///< whether steps vary in length, controlled by tolerances
+  bool graded;                            ///< whether element sizes vary within a mesh
+  std::optional<Order> space, time, both; ///< orders in the size, in the step, and in both together
 };
 
-/// Errors, estimates, envelopes and Pareto front of one quantity. The reference's error bar adds two: one
-/// from the rungs with its step, one from those with its size. For J it is no smaller than most() of the
-/// adjoint's error estimate.
-Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
+/// Computes errors, estimates, envelopes and Pareto front of one quantity. The error bar of the reference is
+/// the sum of two: one from the rungs with the reference's step, one from the rungs with its size. For J the
+/// bar is at least most() of the adjoint's error estimate.
+Errors errors(const Quantity& quantity, const std::vector<RungResult>& results, const Exact& exact);
 
-/// Cautious bound of J's error from its estimate: twice the estimate, which covered 59 of 61 runs
-/// (tests/verification/effectivity.py). It is at least the sum of the moduli of its parts, which cancel only
-/// by coincidence.
+/// Cautious bound on the error of J from an estimate: twice the modulus of the estimate, which covered 59 of
+/// 61 runs (tests/verification/effectivity.py), but at least the sum of the moduli of the estimate's parts,
+/// which cancel only by coincidence.
 double most(const adjoint::ErrorParts& estimate);
 
-/// Relative distance of a run's quantity to another's; absent where one is not finite.
+/// Distance between a quantity in `run` and in `known`, relative to the norm of the latter; absent if it is
+/// not finite.
 std::optional<double> distance(const Quantity& quantity, const Measured& run, const Measured& known);
 
-/// Observed orders from the differences of neighbouring rungs: in space at the shortest step, in time at the
-/// smallest size, and along rungs that refine both. The last are from the errors if the exact value is known.
-/// Needs three rungs, two with an exact value.
-std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
+/// Computes observed orders from the differences between neighbouring rungs: in space at the shortest step,
+/// in time at the smallest size, and along rungs that refine both. The last order comes from errors, and
+/// needs only two rungs, if the exact value is known; the others need three rungs.
+std::vector<Orders> orders(const Quantity& quantity, const std::vector<RungResult>& results,
+                           const Exact& exact);
 
-/// Returns sentences that name, for 10, 5, 1 and 0.1 per cent, the cheapest rung whose envelope and the
-/// reference's error bar together are no more, or that there is none.
-std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results,
+/// Returns sentences on the cheapest rung for errors of at most 10, 5, 1 and 0.1 per cent each. The error of
+/// a rung is the sum of its envelope and of the reference's error bar. A sentence says so if no rung is
+/// accurate enough.
+std::vector<std::string> sentences(const Errors& errors, const std::vector<RungResult>& results,
                                    const scene::Scene& scene);
 
-/// Highest order in the element size with which errors of a quantity can fall. For degree r it is r + 1 for a
-/// field, 2 r for a number, as for functionals by duality. In the step it is 2, as for trapezoidal rules.
+/// Highest possible order of convergence of a quantity in the element size: for elements of degree r it is
+/// r + 1 for a field and 2 r for a number, as for functionals by duality.
 double highest_order_in_size(const Quantity& quantity, int degree);
-constexpr double highest_order_in_step = 2;
+constexpr double highest_order_in_step = 2; ///< highest possible order in the step, as for trapezoidal rules
 
-/// Rounding in the difference of two runs, relative, with a margin for long runs.
+/// Rounding error in the difference of a quantity between two runs, relative to the quantity, with a margin
+/// for long runs.
 constexpr double rounding = 1e-9;
 
 /// A ratio as text, such as "0.4 %".
 std::string percent(double value, int digits = 2);
 
-/// The bar in words, such as "error bar 0.4 %", with notes if a part is not verified or not asymptotic.
+/// Describes an error bar, as "error bar 0.4 %", with notes on parts that are missing or not asymptotic.
 std::string words(const ReferenceBar& bar);
 
 } // namespace signorini::accuracy

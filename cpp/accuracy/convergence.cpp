@@ -9,7 +9,7 @@ namespace {
 
 using Values = std::span<const double>;
 
-/// (b − a)·(d − c).
+/// Scalar product (b − a)·(d − c).
 double product(Values a, Values b, Values c, Values d) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -19,10 +19,10 @@ double product(Values a, Values b, Values c, Values d) {
 
 double distance(Values a, Values b) { return std::sqrt(product(a, b, a, b)); }
 
-/// Bound of the modulus of observed orders.
+/// Largest modulus of observed orders.
 constexpr double highest_order = 20;
 
-/// The p for which widths h1 > h2 > h3 give this ratio of the second difference to the first.
+/// Order p for which widths h1 > h2 > h3 give `ratio`, the second difference of values over the first.
 double order_of_differences(double h1, double h2, double h3, double ratio) {
   const double coarse = std::log(h1 / h2), fine = std::log(h2 / h3);
   const auto log_ratio = [&](double p) { // falls with p
@@ -37,7 +37,7 @@ double order_of_differences(double h1, double h2, double h3, double ratio) {
   return (low + high) / 2;
 }
 
-/// Order between neighbours, and whether it is in the asymptotic range.
+/// Order of neighbouring values, and whether these are in the asymptotic range.
 struct Local {
   double p;
   bool holds;
@@ -49,7 +49,7 @@ Local judged(double p, bool same_way, const Limits& limits) {
   return {p, same_way && p >= least && p <= limits.order + scatter};
 }
 
-/// Local order of three successive values.
+/// Order of three successive values, and whether these are in the asymptotic range.
 Local local(const Value& a, const Value& b, const Value& c, const Limits& limits) {
   const double ratio = distance(b.samples, c.samples) / distance(a.samples, b.samples);
   return judged(order_of_differences(a.width, b.width, c.width, ratio),
@@ -69,7 +69,7 @@ std::optional<Order> summary(const std::vector<Local>& locals) {
   return Order{sum / static_cast<double>(used.size()), least.p, largest.p, asymptotic};
 }
 
-/// The largest distance between any two values.
+/// Largest distance between any two values.
 double spread(std::span<const Value> values) {
   double largest = 0;
   for (const Value& a : values)

@@ -10,7 +10,7 @@ using petsc::check;
 
 namespace {
 
-/// Loads of a scene and forces of its controls in functions of degree 2.
+/// Loads of a scene and forces of its controls, in finite-element functions of degree 2.
 class EnrichedLoads {
 public:
   EnrichedLoads(const adjoint::EnrichedBody& body, const problem::Problem& problem,
@@ -22,12 +22,12 @@ public:
       load_.emplace(body.space(), body.operators().M, *problem.scene.load, problem.stepper.end());
   }
 
-  /// The forces of the loads and of a control; valid as long as `force` lives.
+  /// Sum of the scene's loads and of `force`, the force of a control; valid as long as `force`.
   [[nodiscard]] step::ForceAtStep with(const step::Load& force) const {
     return {body_.space(), {load_ ? &*load_ : nullptr, &force}};
   }
 
-  /// The force of a control of the run on the enriched body.
+  /// Force of one of the run's controls on the enriched body, whose functions have degree 2.
   class Force final : public step::Load {
   public:
     Force(const EnrichedLoads& loads, const control::Control& u) : loads_(loads), u_(u) {}
@@ -58,12 +58,12 @@ private:
   const control::ControlSpace& coarse_;
   control::ControlSpace controls_;
   petsc::Vector coarse_field_, field_;
-  mutable std::vector<double> values_; ///< scratch
+  mutable std::vector<double> values_; ///< buffer
   std::optional<step::SceneLoad> load_;
 };
 
-/// The direct effect of the interpolation errors of initial and desired displacement on J's state part,
-/// Σ_k ½ weight(k) ‖y_k − y_d,k‖², along a motion, in functions of degree 2.
+/// Direct effect of the interpolation errors of initial and desired displacement on the state part of J,
+/// Σ_k ½ weight(k) ‖y_k − y_d,k‖², in functions of degree 2.
 class EnrichedObjective {
 public:
   EnrichedObjective(const adjoint::EnrichedBody& body, const problem::Problem& problem,
@@ -98,7 +98,7 @@ public:
 
   adjoint::ErrorParts parts;
 
-  /// ∂J/∂y_k along a motion, on the enriched body.
+  /// Derivatives ∂J/∂y_k along a motion, on the enriched body.
   class Derivative final : public step::StateDuals {
   public:
     Derivative(const EnrichedObjective& objective, const trajectory::Trajectory& motion)
@@ -123,7 +123,7 @@ public:
   };
 
 private:
-  /// ‖e + sign d‖² − ‖e‖² for e = y − y_d
+  /// Difference ‖e + sign d‖² − ‖e‖² for e = y − y_d.
   double change(Vec d, double sign) {
     check(VecWAXPY(sum_, 2 * sign, distance_, d));
     check(MatMult(own_ ? Mat(own_) : Mat(*body_.operators().W), sum_, product_));
@@ -138,7 +138,7 @@ private:
   petsc::Vector coarse_, distance_, sum_, product_, off_;
 };
 
-/// parts −= other.
+/// Subtracts `other` from `parts`.
 void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
   parts.time -= other.time;
   parts.initial -= other.initial;

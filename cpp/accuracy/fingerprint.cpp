@@ -13,7 +13,7 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Version of the measurements of a run; to be raised with every change of them.
+/// Version of the measurements of a run; increase with every change of the measurements.
 constexpr int measurement = 4;
 
 constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks",
@@ -31,7 +31,7 @@ std::string content(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// Digest of a file, read in blocks: a stored run may be larger than the memory.
+/// Digest of a file. Reads the file in blocks, since a stored run may be larger than the memory.
 std::string digest(const std::filesystem::path& file) {
   constexpr std::size_t size = 1 << 20;
   std::ifstream in(file, std::ios::binary);
@@ -41,8 +41,7 @@ std::string digest(const std::filesystem::path& file) {
   return digest.text();
 }
 
-/// Adds a file and, recursively, the existing files that it names in quotes: those that Include and Merge
-/// read, wherever the name stands.
+/// Adds a .geo file and, recursively, all existing files that it names in quotes, as Include and Merge do.
 void add_with_included(const std::filesystem::path& file, std::set<std::filesystem::path>& seen,
                        Digest& digest) {
   std::error_code error;
@@ -73,7 +72,7 @@ std::string mesh_digest(const std::filesystem::path& file) {
   return digest.text();
 }
 
-/// PETSc's options, from the command line, PETSC_OPTIONS and .petscrc.
+/// All PETSc options, from the command line, PETSC_OPTIONS and .petscrc.
 std::string petsc_options() {
   char* all = nullptr;
   petsc::check(PetscOptionsGetAll(nullptr, &all));
@@ -88,7 +87,7 @@ std::string petsc_options() {
 
 } // namespace
 
-Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
+Origin::Origin(const scene::Scene& scene, const SamplePoints& samples, int ranks)
     : scene_(scene), dim_(samples.dim) {
   common_[program] = fmt::format("{} with measurement {}", io::versions().dump(), measurement);
   common_[ranks_part] = std::to_string(ranks); // for seconds and memory
@@ -134,12 +133,12 @@ std::string difference(const Fingerprint& kept, const Fingerprint& now) {
         continue;
       if (name == scene_part) {
         if (const auto [had, has] = scene::difference(before, after, scene::Part::measurement); had != has)
-          return fmt::format("the scene had {} and has {}", had, has);
+          return fmt::format("the scene had {}, and now has {}", had, has);
         continue;
       }
       if (name == program || name == ranks_part || name == options)
-        return fmt::format("the {} was \"{}\" and is \"{}\"", name, before, after);
-      return fmt::format("the {} is another", name);
+        return fmt::format("the {} was \"{}\", and now is \"{}\"", name, before, after);
+      return fmt::format("the {} has changed", name);
     }
   return {};
 }

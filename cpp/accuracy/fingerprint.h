@@ -4,20 +4,21 @@
 
 namespace signorini::accuracy {
 
-/// Inputs that determine the numbers of a rung, by name: texts, or digests of contents. Rungs with equal
+/// All inputs that determine the results of a rung, by name: texts, or digests of files. Rungs with equal
 /// fingerprints have equal results.
 using Fingerprint = std::map<std::string, std::string>;
 
-/// The common part of the fingerprints of a study's rungs, determined once. Used on rank 0, whose Samples
-/// have their digest.
+/// Computes the fingerprints of a study's rungs from their common part, which is determined once. Used on
+/// rank 0, where SamplePoints has a digest.
 class Origin {
 public:
-  /// Reads PETSc's options too: construct it before the first solver, since each adds its defaults to them.
-  /// The references must outlive this object.
-  Origin(const scene::Scene& scene, const Samples& samples, int ranks);
+  /// Determines the common part, including PETSc's options. Construct before the first solver, since solvers
+  /// add their defaults to these options. The references must outlive this object.
+  Origin(const scene::Scene& scene, const SamplePoints& samples, int ranks);
 
+  /// Fingerprint of a rung.
   [[nodiscard]] Fingerprint of(const Rung& rung) const;
-  /// Fingerprint of a search on the scene's own rung.
+  /// Fingerprint of a search with the scene's own size, step, degree and scheme.
   [[nodiscard]] Fingerprint of_search() const;
 
 private:
@@ -26,7 +27,7 @@ private:
   Fingerprint common_;
 };
 
-/// Describes the first part in which two fingerprints differ; empty if there is none.
+/// Describes the first input in which two fingerprints differ; empty if the fingerprints are equal.
 std::string difference(const Fingerprint& kept, const Fingerprint& now);
 
 } // namespace signorini::accuracy

@@ -18,11 +18,11 @@ namespace signorini::accuracy {
 
 namespace {
 
-/// A mesh and the share of each of its cells in the error; on every rank.
+/// A mesh with error indicators of its cells, the same on every rank.
 struct Indicated {
   mesh::SizeField mesh;
-  std::vector<double> error;
-  double extent; ///< m, longest side of the body
+  std::vector<double> error; ///< share of each cell in the error
+  double extent;             ///< longest side of the body, m
 };
 
 Indicated by_objective(problem::Problem& problem) {
@@ -35,7 +35,7 @@ Indicated by_objective(problem::Problem& problem) {
   std::vector<double> own;
   (void)estimate_error(problem, control_problem, &own);
   Indicated found{.mesh{}, .error{}, .extent = std::ranges::max(problem.mesh.extent())};
-  found.mesh = mesh::gathered(problem.mesh, own, found.error);
+  found.mesh = mesh::gather_cells(problem.mesh, own, found.error);
   return found;
 }
 
@@ -49,11 +49,11 @@ Indicated by_stress(problem::Problem& problem) {
   return {recovery.mesh(), recovery.sums(), std::ranges::max(problem.mesh.extent())};
 }
 
-/// Shares of the cells in the error, on the mesh of these sizes or, without, on the coarsest.
+/// Computes error indicators on the mesh with the given sizes; null: on the scene's mesh.
 Indicated indicated(MPI_Comm comm, const scene::Scene& scene, const mesh::SizeField* sizes) {
   Timers timers;
   const mesh::Meshing meshing{.sizes = sizes, .keep{}};
-  problem::Problem problem(std::make_shared<const problem::Discretisation>(comm, scene, timers, meshing),
+  problem::Problem problem(std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers, meshing),
                            scene, problem::study_needs(scene), timers);
   return scene.objective ? by_objective(problem) : by_stress(problem);
 }
@@ -97,7 +97,8 @@ void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesyste
     factor *= std::pow(static_cast<double>(cells(comm, graded)) / count, 1.0 / dim);
   }
   const double least = std::ranges::min(sizes.sizes), largest = std::ranges::max(sizes.sizes);
-  console.line(fmt::format("sizes by the error of {}: from {:.3g} to {:.3g} m, {:.0f} elements",
+  console.line(fmt::format("element sizes graded by the error of "
+                           "{}: from {:.3g} to {:.3g} m, {:.0f} elements",
                            scene.objective ? "J" : "the stress", least, largest,
                            static_cast<double>(cells(comm, graded))));
   on_root(comm, [&] { std::filesystem::rename(graded.file, file); });
@@ -115,7 +116,8 @@ std::int64_t cells(MPI_Comm comm, const scene::Mesh& mesh) {
 
 namespace {
 
-/// Number of cells at an element size, or at a scale of the sizes that the .geo sets.
+/// Number of cells of a mesh with another element size; without mesh.size, `size` scales the sizes that the
+/// .geo sets.
 std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
   (mesh.size ? *mesh.size : mesh.scale) = size;
   return accuracy::cells(comm, mesh);
@@ -124,8 +126,8 @@ std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
 UserError no_answer(const scene::Scene& scene, double coarse, double fine, std::int64_t cells,
                     const char* allowed) {
   const char* kind = scene.mesh.size ? "size" : "scale";
-  return UserError(fmt::format("mesh.{0}: {1} has {2} cells at {0} {3:g} and at {0} {4:g}, so that it sets "
-                               "its own density (as Transfinite curves do); use {5}",
+  return UserError(fmt::format("mesh.{0}: {1} has {2} cells both at {0} {3:g} and at {0} {4:g}. The file "
+                               "sets its own mesh density (as Transfinite curves do); use {5}",
                                kind, scene.mesh.file.string(), cells, coarse, fine, allowed));
 }
 
@@ -141,7 +143,8 @@ void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vect
   const std::int64_t coarse = cells(comm, scene.mesh, coarsest[0]),
                      fine = cells(comm, scene.mesh, coarsest[1]);
   if (coarse == fine)
-    throw no_answer(scene, coarsest[0], coarsest[1], coarse, "--sizes that change the mesh, or one alone");
+    throw no_answer(scene, coarsest[0], coarsest[1], coarse,
+                    "--sizes that change the mesh, or only one size");
 }
 
 void require_answer(MPI_Comm comm, const scene::Scene& scene) {
@@ -150,7 +153,7 @@ void require_answer(MPI_Comm comm, const scene::Scene& scene) {
   // The coarser mesh first: it is quicker to make, but where the body's own edges limit it the finer one
   // decides.
   if (own == cells(comm, scene.mesh, 2 * size) && own == cells(comm, scene.mesh, size / 2))
-    throw no_answer(scene, 2 * size, size / 2, own, "a .geo whose mesh they change");
+    throw no_answer(scene, 2 * size, size / 2, own, "a .geo whose mesh changes with the size");
 }
 
 } // namespace signorini::accuracy

@@ -9,23 +9,25 @@
 
 namespace signorini::accuracy {
 
-/// Writes `file`, a .geo with the scene's body whose element sizes vary: small where the error comes from. At
-/// mesh.scale = 1 it has about as many elements as the scene's own mesh or, with mesh.size = "auto", as one
-/// with ten across the body. With an objective the error is the adjoint estimate of J's error at the control
-/// of `check` (drivers::evaluation_point()). Else it is the error of the stress, in the energy norm over all
-/// steps, by stress recovery (fem::StressRecovery). It comes from two motions of degree 1 on coarse meshes.
-/// At curved boundaries elements are larger than those of the scene's own mesh by at most a factor, since
-/// they form a polygon there. Collective. Throws UserError, SolverFailure, Interrupted.
+/// Writes `file`, a .geo with the scene's body whose element sizes are small where the error indicators are
+/// large. At mesh.scale = 1 the mesh has about as many elements as the scene's own mesh; with mesh.size =
+/// "auto", as a mesh with ten elements across the body. The indicators come from two motions with elements of
+/// degree 1 on coarse meshes. With an objective they are the cells' shares in the adjoint error estimate of J
+/// at the control of `check` (drivers::evaluation_point()). Else they are the cells' stress errors in the
+/// energy norm over all steps, by stress recovery (fem::StressRecovery). At curved boundaries, which elements
+/// approximate by a polygon, elements are at most 1.5 times as large as those of a uniform mesh. Throws
+/// UserError, SolverFailure, Interrupted. Collective.
 void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& file,
                   const Console& console);
 
-/// Number of cells of a .geo meshed with the scene's settings. Collective. Throws UserError, Interrupted.
+/// Number of cells of the mesh that the table [mesh] yields. Throws UserError, Interrupted. Collective.
 std::int64_t cells(MPI_Comm comm, const scene::Mesh& mesh);
 
-/// Throw UserError if the sizes are needed but do not change the mesh of a scene, as with a .geo that sets
-/// its own density (Transfinite curves, say). require_answer_to() compares the two coarsest of a ladder's
-/// sizes, require_answer() sizes next to the scene's own. Collective.
+/// Throws UserError if the two coarsest of a ladder's sizes give meshes with equally many cells, as with a
+/// .geo that sets its own mesh density (by Transfinite curves, for example). Collective.
 void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vector<double>& sizes);
+/// Throws UserError if half of the scene's element size, the size itself and twice the size all give meshes
+/// with equally many cells, as with a .geo that sets its own mesh density. Collective.
 void require_answer(MPI_Comm comm, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

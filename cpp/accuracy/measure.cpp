@@ -26,17 +26,17 @@ bool has(const std::vector<Quantity>& wanted, const std::string& name) {
   return std::ranges::any_of(wanted, [&](const Quantity& quantity) { return quantity.name == name; });
 }
 
-/// Samples a field over time, which is passed in ascending order.
+/// Samples a field at the sample points and times, in ascending order of time.
 class Series {
 public:
-  Series(const Samples& samples, const fem::Space& space)
+  Series(const SamplePoints& samples, const fem::Space& space)
       : samples_(samples), sampler_(space, samples.body.points), here_(space.vector()) {
     values_.reserve(samples.times.size() * samples.body.weights.size() *
                     static_cast<std::size_t>(space.dim()));
   }
 
-  /// Takes every sample time up to t1, with `last` all that remain. `at(t, out)` evaluates the field between
-  /// the last time and t1.
+  /// Takes the samples at all times up to t1 (s) that have not been taken; all remaining ones if `last`.
+  /// `at(t, out)` evaluates the field at time t, up to t1.
   template <class At>
   void take_until(double t1, bool last, At&& at) {
     const double reach = last ? std::numeric_limits<double>::infinity() : t1;
@@ -54,7 +54,7 @@ public:
   }
 
 private:
-  const Samples& samples_;
+  const SamplePoints& samples_;
   fem::Sampler sampler_;
   petsc::Vector here_;
   std::size_t next_ = 0;
@@ -64,7 +64,7 @@ private:
 /// Measures the requested quantities of a motion frame by frame.
 class Watch {
 public:
-  Watch(const problem::Problem& problem, const Samples& samples, const std::vector<Quantity>& wanted)
+  Watch(const problem::Problem& problem, const SamplePoints& samples, const std::vector<Quantity>& wanted)
       : problem_(problem), wanted_(wanted), weigh_(problem.stepper),
         warnings_(problem.stepper, problem.scene, problem.scene_loads()), contact_(problem.stepper) {
     if (has(wanted, "displacement"))
@@ -127,8 +127,8 @@ public:
   }
 
 private:
-  /// Relative error of the pressure in L2 of the contact surface, for the mean of the last two steps, since
-  /// the forces of single ones alternate.
+  /// Relative error of the contact pressure in L2 of the contact surface. The pressure is the mean of the
+  /// last two steps, since the forces of single steps alternate.
   [[nodiscard]] double pressure_error() const {
     const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
     const std::vector<double>& points = problem_.stepper.pairs()->points();
@@ -163,7 +163,7 @@ private:
   double energy_ = 0, contact_loss_ = 0;
 };
 
-/// Seconds of the phases that every run needs.
+/// Total seconds of the phases that every run needs, such as meshing, factorisation and sweeps.
 double seconds(const Timers& timers) {
   double sum = 0;
   for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint",
@@ -173,7 +173,7 @@ double seconds(const Timers& timers) {
   return sum;
 }
 
-std::vector<double> sampled(const problem::Problem& problem, const Samples& samples,
+std::vector<double> sampled(const problem::Problem& problem, const SamplePoints& samples,
                             const control::ControlSpace& controls, const control::Control& g) {
   Series series(samples, problem.space);
   std::vector<double> mean(controls.size());
@@ -210,7 +210,7 @@ void simulate(problem::Problem& problem, const step::ForceAtStep& load,
     throw Interrupted();
 }
 
-Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
+SamplePoints::SamplePoints(MPI_Comm comm, const scene::Scene& scene) {
   constexpr std::size_t most = 12'000;
   constexpr int intervals = 100;
   scene::Mesh mesh = scene.mesh;
@@ -230,7 +230,7 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
   digest = Digest().add(digest).add(body.points).add(body.weights).add(times).text();
 }
 
-void Samples::scale(std::vector<double>& values) const {
+void SamplePoints::scale(std::vector<double>& values) const {
   const std::size_t n = body.weights.size(), components = values.size() / (n * times.size());
   const double interval = times[1] - times[0];
   for (std::size_t j = 0; j < times.size(); ++j)
@@ -240,7 +240,7 @@ void Samples::scale(std::vector<double>& values) const {
             std::sqrt(body.weights[i] * (j == 0 || j + 1 == times.size() ? interval / 2 : interval));
 }
 
-Exact exact_values(const scene::Scene& scene, const Samples& samples) {
+Exact exact_values(const scene::Scene& scene, const SamplePoints& samples) {
   // Contact with obstacles at rest loses no energy, and the pressure's number already is its error.
   Exact exact{{{"energy_loss", 0}, {"pressure", 0}}, {}};
   if (!scene.exact)
@@ -266,7 +266,7 @@ Exact exact_values(const scene::Scene& scene, const Samples& samples) {
   return exact;
 }
 
-Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& samples,
                  const std::vector<Quantity>& wanted, bool estimate) {
   forget_peak_memory();
   const double before = resident_memory(); // such as the samples of other rungs

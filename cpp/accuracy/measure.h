@@ -8,33 +8,35 @@
 namespace signorini::accuracy {
 
 /// Points and times at which fields are compared, the same for every rung of a scene.
-struct Samples {
+struct SamplePoints {
   fem::Quadrature body;
   int dim = 2;
-  std::vector<double> times; ///< s, from 0 to time.end at equal distances
-  std::string digest;        ///< digest of times, points and the mesh of the points, on rank 0
+  std::vector<double> times; ///< evenly spaced times from 0 to time.end, s
+  std::string digest;        ///< digest of times, points and the mesh of the points; on rank 0
 
-  /// Quadrature points of the scene's mesh, or of one with twice, four times … its size, until there are few
-  /// enough or no fewer. Collective. Throws UserError.
-  Samples(MPI_Comm comm, const scene::Scene& scene);
+  /// Takes the quadrature points of the scene's mesh. If these are too many, takes those of meshes with 2, 4,
+  /// … times the element size, until there are few enough or coarsening does not reduce them. Throws
+  /// UserError. Collective.
+  SamplePoints(MPI_Comm comm, const scene::Scene& scene);
 
-  /// Scales samples (times × points × dim), in place, so that the sum of their squares is the square of the
-  /// norm in L2(0,T; L2).
+  /// Multiplies samples of a field (times × points × dim) by the roots of the quadrature weights. The sum of
+  /// their squares is then the square of the field's norm in L2(0,T; L2).
   void scale(std::vector<double>& values) const;
 };
 
-/// Exact values of the quantities that have one: the scene's [exact] at the samples. Throws UserError.
-Exact exact_values(const scene::Scene& scene, const Samples& samples);
+/// Exact values of quantities, from the scene's table [exact]; fields are evaluated at the samples. Throws
+/// UserError.
+Exact exact_values(const scene::Scene& scene, const SamplePoints& samples);
 
-/// Runs the scene of a rung and measures these quantities, with an objective at the control of `check`
-/// (drivers::evaluation_point()), else at control.initial; the gradient costs an adjoint sweep. `estimate`:
-/// whether to estimate the error of J too, which the seconds do not include. Collective. Throws UserError,
-/// SolverFailure, Interrupted.
-Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+/// Simulates the scene of a rung and measures the `wanted` quantities. With an objective, the control is that
+/// of `check` (drivers::evaluation_point()), else control.initial. Measuring the gradient takes an adjoint
+/// sweep. `estimate`: whether to estimate the error of J, the time for which is not measured. Throws
+/// UserError, SolverFailure, Interrupted. Collective.
+Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& samples,
                  const std::vector<Quantity>& wanted, bool estimate);
 
-/// Makes all steps of a motion and chooses their lengths if they are not known. Collective. Throws
-/// SolverFailure, Interrupted.
+/// Computes all steps of a motion under `load`, and passes each frame to `watch`. If the time steps of the
+/// problem are not known, chooses and sets them. Throws SolverFailure, Interrupted. Collective.
 void simulate(problem::Problem& problem, const step::ForceAtStep& load,
               const trajectory::StepObserver& watch);
 

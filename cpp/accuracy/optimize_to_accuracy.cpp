@@ -17,18 +17,18 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Part of the requested error that the estimate may reach: the error may be twice the estimate
-/// (docs/method.md section 7).
+/// Largest acceptable error estimate, relative to the requested error, since the true error may be twice the
+/// estimate (docs/method.md section 7).
 constexpr double trusted = 0.5;
-/// Part of the trusted error that the search may leave.
+/// Error that a search may leave, relative to the largest acceptable error estimate.
 constexpr double search_part = 0.05;
-/// Least limit of a search's iterations: it ends by its gains instead.
+/// Lower bound for the iteration limit of a search, which stops when the gains become small.
 constexpr int most_iterations = 1000;
-/// Multiples of the scene's size and step to begin with; the first that can be run is taken.
+/// Multiples of the scene's size and step for the first run; the first multiple that can be run is used.
 constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
 
-/// Searches for the optimum at given sizes and steps, each time from the result of the last.
+/// Trial runs that search for the optimum; each search starts from the result of the previous one.
 template <template <optimize::TwiceDifferentiable> class Method>
 class SearchTrials final : public TrialRuns {
 public:
@@ -36,7 +36,8 @@ public:
                const Elapsed& elapsed, const Console& console)
       : comm_(comm), scene_(scene), out_(out), error_(error), elapsed_(elapsed), console_(console) {}
 
-  /// The estimate of a coarse mesh reveals little of one much finer.
+  /// Range of predictions. It is short, since the estimate on a coarse mesh predicts little of a much finer
+  /// one.
   [[nodiscard]] Reach reach() const override { return {.order = 2, .finer = 3, .coarser = 1}; }
   [[nodiscard]] int dim() const override { return level_->problem().mesh.dim(); }
 
@@ -57,7 +58,7 @@ public:
     return next;
   }
 
-  /// Extrapolates the seconds of the last run, with a margin: a finer problem may take more iterations.
+  /// Extrapolates the seconds of the last run, with a margin, since a finer problem may take more iterations.
   [[nodiscard]] double seconds(const Rung& rung) override {
     constexpr double iterations = 1.4;
     return iterations * row_.seconds * work(rung, dim()) / work(rung_, dim());
@@ -102,7 +103,7 @@ public:
     const double J = std::abs(control_problem.reduced.value().total());
     if (!(J > 0))
       throw UserError(
-          "--accuracy: J is 0 at the optimum, so that no error is relative to it; choose another objective");
+          "--accuracy: J is 0 at the optimum, so relative errors are undefined; choose another objective");
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells_);
     trial.time = std::abs(error.time) / J;
     trial.space = error.sum_of_moduli() / J - trial.time;
@@ -115,7 +116,7 @@ public:
     return trial;
   }
 
-  /// Compares J with that of half the steps.
+  /// Compares J with its value for steps of half the length; raises the error in time and sets the warning.
   void verify(TrialRun& trial) override {
     problem::ControlProblem& control_problem = level_->control_problem();
     const Verified found = verify_with_half_steps(level_->problem(), control_problem);
@@ -128,17 +129,17 @@ public:
   void conclude(const TrialRun& trial, bool better) override {
     if (better)
       write(trial);
-    console_.line(
-        fmt::format("round {}: {} unknowns, {} steps: J = {:.6e}, estimated error {:.2e} (space {:.1e}, time "
-                    "{:.1e}, search {:.1e}). {} + {} sweeps, {:.2g} s; {:.2g} s so far{}",
-                    rows_.size() + 1, row_.free_unknowns, row_.steps, row_.objective, trial.error(),
-                    trial.space, trial.time, trial.search, row_.forward_sweeps, row_.adjoint_sweeps,
-                    row_.seconds, elapsed_.seconds(), better ? "" : "; not written, its error is larger"));
+    console_.line(fmt::format(
+        "round {}: {} unknowns, {} steps: J = {:.6e}, estimated relative error {:.2e} (space {:.1e}, time "
+        "{:.1e}, search {:.1e}). {} forward + {} adjoint sweeps, {:.2g} s; {:.2g} s so far{}",
+        rows_.size() + 1, row_.free_unknowns, row_.steps, row_.objective, trial.error(), trial.space,
+        trial.time, trial.search, row_.forward_sweeps, row_.adjoint_sweeps, row_.seconds, elapsed_.seconds(),
+        better ? "" : "; not written, since its error is larger"));
     rows_.push_back(row_);
   }
 
 private:
-  /// Writes the optimum, even if the time is up by now: it is the best so far.
+  /// Writes the results of the last run. Does so even if the time limit has passed, since they are the best.
   void write(const TrialRun& trial) {
     const io::Accuracy accuracy{.quantity = "J",
                                 .asked = error_,
@@ -155,15 +156,15 @@ private:
         Console(false, false));
   }
 
-  /// Whether element sizes change from run to run by indicators: with mesh.size = "auto" the .geo is meshed
-  /// again by them, and a .msh is refined.
+  /// Whether error indicators determine the element sizes of each run. If so, a .geo with mesh.size = "auto"
+  /// is meshed anew for each run, and a .msh is refined.
   [[nodiscard]] bool sizes_vary() const { return scene_.mesh.automatic() || scene_.mesh.meshed(); }
 
-  /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative.
-  /// Collective.
+  /// Text of indicators.csv: the corners of each cell (m), and the cell's share in the error of J in space,
+  /// relative to J. Collective.
   [[nodiscard]] std::string indicators() const {
     std::vector<double> shares;
-    const mesh::SizeField cells = mesh::gathered(level_->problem().mesh, by_cells_, shares);
+    const mesh::SizeField cells = mesh::gather_cells(level_->problem().mesh, by_cells_, shares);
     const auto dim = static_cast<std::size_t>(cells.dim), corners = dim + 1;
     const double J = std::abs(level_->control_problem().reduced.value().total());
     std::string text;
@@ -181,14 +182,14 @@ private:
     return text;
   }
 
-  /// Searches until the gain and the promised gain of the last iterations are a small part of the requested
-  /// error; returns the larger of them, relative.
+  /// Searches until the decrease of J over the last iterations, and the predicted decrease, are small
+  /// compared with the requested error. Returns the larger of both, relative to J.
   double search(drivers::SearchLevel<Method>& level) {
     optimize::Options options = drivers::search_options(level.control_problem().controls, scene_.optimizer);
     options.max_iterations = std::max(options.max_iterations, most_iterations);
     const auto start = level_ ? level_->on(level.control_problem(), options)
                               : drivers::SearchStart<Method>{level.first_guess()};
-    /// Records iterates, and ends the search once it gains too little.
+    /// Records iterates, and ends the search when the decrease of J becomes small.
     struct Report {
       drivers::SearchLog& record;
       double enough, promised = 0;
@@ -207,9 +208,9 @@ private:
                                           : gained(log_->history());
   }
 
-  /// Decrease of J over the last third of the iterations, relative. It is more than the search has left if it
-  /// converges linearly, and half of that if J approaches its limit like one over the iterations, as among
-  /// kinks.
+  /// Decrease of J over the last third of the iterations (at least three), relative to J. If the search
+  /// converges linearly, the remaining decrease is smaller. If J approaches its limit like one over the
+  /// number of iterations, as among kinks, the remaining decrease is twice as large.
   static double gained(const io::History& history) {
     constexpr std::size_t fewest = 3, part = 3;
     const std::size_t iterations = history.rows() - 1,
@@ -221,14 +222,14 @@ private:
   MPI_Comm comm_;
   const scene::Scene& scene_;
   std::filesystem::path out_;
-  double error_; ///< requested, relative
+  double error_; ///< requested relative error of J
   const Elapsed& elapsed_;
   const Console& console_;
   // Of the last run:
   Rung rung_;
   scene::Scene written_;
   std::unique_ptr<drivers::SearchLevel<Method>> level_;
-  std::vector<double> by_cells_; ///< error indicators of its cells
+  std::vector<double> by_cells_; ///< error indicators of the cells on this rank
   std::optional<io::OutputFolder> folder_;
   std::optional<drivers::SearchLog> log_;
   io::CoarseLevel row_;
@@ -252,8 +253,8 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
                          const AccuracyAsked& asked, const Console& console) {
   drivers::require_control_problem(comm, scene, out);
   if (scene.mesh.degree != 1)
-    throw UserError(fmt::format("--accuracy: found mesh.degree = {}; set it to 1, since the estimate in "
-                                "space compares degree 1 with degree 2",
+    throw UserError(fmt::format("--accuracy: found mesh.degree = {}; set it to 1, since the error estimate "
+                                "in space compares degree 1 with degree 2",
                                 scene.mesh.degree));
   if (!scene.mesh.meshed() && !scene.mesh.automatic())
     require_answer(comm, scene);

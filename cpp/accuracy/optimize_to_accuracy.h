@@ -4,11 +4,12 @@
 
 namespace signorini::accuracy {
 
-/// Runs the verb optimize with --accuracy: finds the optimum with J to a relative error. Alternates searches
-/// and refinements of mesh and steps (refine_to_accuracy()), each search from the result of the last. Starts
-/// at about four times the scene's size and step or, with mesh.size = "auto", at ten elements across the body
-/// with sizes that vary. The best answer so far is written into `out` after each run, whole. Collective.
-/// Throws UserError, SolverFailure, WriteFailure, and Interrupted before there is an answer.
+/// Runs the verb optimize with --accuracy: searches for the optimum until the relative error of J meets the
+/// request. Alternates searches and refinements of mesh and steps (refine_to_accuracy()); each search starts
+/// from the result of the previous one. Starts at about four times the scene's size and step; with mesh.size
+/// = "auto", at ten elements across the body. After each run that is better than all before, writes complete
+/// results into `out`. Returns the exit status. Throws UserError, SolverFailure, WriteFailure; Interrupted
+/// before the first result. Collective.
 int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, const Console& console);
 

@@ -12,7 +12,7 @@ namespace signorini::accuracy {
 
 namespace {
 
-/// The quantities of diagnostics::ContactFigures.
+/// Quantities that diagnostics::ContactFigures measures.
 std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   const std::string each = dim == 2 ? "/m" : "";
   std::vector<Quantity> all;
@@ -77,7 +77,7 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name, &Quantity::name);
     if (found == all.end())
-      throw UserError(fmt::format("--quantity: found \"{}\"{}; this scene has {}", name,
+      throw UserError(fmt::format("--quantity: found \"{}\"{}; quantities of this scene: {}", name,
                                   suggestion(name, allowed), list(allowed)));
     if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
       wanted.push_back(*found);

@@ -8,32 +8,33 @@
 
 namespace signorini::accuracy {
 
+/// A quantity that is compared between runs.
 struct Quantity {
   std::string name, title, unit;
-  bool field = false;
-  bool absolute = false; ///< whether it is relative already: errors are plain differences
-  bool limited = true;   ///< whether it converges with steps and mesh in every motion
+  bool field = false;    ///< whether the quantity is a field, else a number
+  bool absolute = false; ///< whether the quantity is relative already, so that errors are plain differences
+  bool limited = true;   ///< whether the quantity converges with steps and mesh in every motion
 
-  /// Whether a warning of a motion concerns this quantity; warnings of peaks concern peaks alone.
+  /// Whether a warning about a motion concerns this quantity; warnings about peaks concern only peaks.
   [[nodiscard]] bool doubted_by(const Warning& warning) const;
 };
 
-/// Measurements of a run. A field is compared in its norm, a number by its modulus.
+/// Measurements of one run: cost, and values of quantities.
 struct Measured {
   long unknowns = 0;
   int steps = 0;
   double seconds = 0;                    ///< time of set-up and sweeps
-  double memory = 0;                     ///< peak beyond the program's memory before, bytes
-  std::map<std::string, double> numbers; ///< values by quantity
+  double memory = 0;                     ///< peak of the memory that the run adds to the program's, bytes
+  std::map<std::string, double> numbers; ///< values of numbers, by name of the quantity
   std::map<std::string, std::vector<double>>
-      fields; ///< samples by quantity, scaled so that their sum of squares is the squared norm
+      fields; ///< samples of fields by name, scaled so that their sum of squares is the squared norm
   std::optional<adjoint::ErrorParts> estimate; ///< estimated error of J, J(exact) − J
-  std::vector<Warning> warnings;               ///< warnings about its steps and its mesh
+  std::vector<Warning> warnings;               ///< warnings about the run's time steps and mesh
 
-  /// The warnings that concern a quantity, in words; empty without any.
+  /// Text of the warnings that concern a quantity; empty if there are none.
   [[nodiscard]] std::string warning(const Quantity& quantity) const;
 
-  /// The number of a quantity, or the samples of a field.
+  /// Values of a quantity: one number, or the scaled samples of a field.
   [[nodiscard]] std::span<const double> values(const Quantity& quantity) const {
     if (quantity.field)
       return fields.at(quantity.name);
@@ -41,17 +42,17 @@ struct Measured {
   }
 };
 
-/// A rung and its measurements, which are absent if it has not run.
-struct Result {
+/// A rung and its measurements.
+struct RungResult {
   Rung rung;
-  std::optional<Measured> measured;
+  std::optional<Measured> measured; ///< absent if the rung has not run
 };
 
-/// The values against which errors are taken, by quantity; an absent quantity is compared with the finest
-/// rung.
+/// Exact values of quantities. The errors of other quantities are those against the finest rung.
 struct Exact {
-  std::map<std::string, double> numbers;
-  std::map<std::string, std::vector<double>> fields;
+  std::map<std::string, double> numbers;             ///< values of numbers, by name of the quantity
+  std::map<std::string, std::vector<double>> fields; ///< scaled samples of fields, by name of the quantity
+  /// Whether the exact value of a quantity is known.
   [[nodiscard]] bool knows(const Quantity& quantity) const {
     return quantity.field ? fields.contains(quantity.name) : numbers.contains(quantity.name);
   }
@@ -64,13 +65,13 @@ struct Exact {
 
 constexpr const char* of_stress = "largest_von_mises"; ///< name of the largest von Mises stress
 
-/// The quantities that can be compared in a scene: displacement and largest von Mises stress; impulse, forces
-/// and times of contact; energy_loss if all obstacles are at rest; pressure if the exact one is given. With
-/// an objective these are also J and the gradient. `dim` determines the units.
+/// All quantities that can be compared for a scene. These are displacement and largest von Mises stress;
+/// impulse, forces and times of contact; energy_loss if all obstacles are at rest; pressure if the scene
+/// gives the exact pressure; J and the gradient if the scene has an objective. `dim` determines the units.
 std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
 
-/// Selects the quantities of these names or, without names, all but the gradient and, where the scene stores
-/// none, the stress. Throws UserError.
+/// Selects quantities by their names. Without names, selects all but the gradient, and but the stress if the
+/// scene stores no stress. Throws UserError if a name is unknown.
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);
 
 } // namespace signorini::accuracy

@@ -9,11 +9,11 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Part of the tolerance to aim at, so that an error a little larger than predicted does not cost another
-/// run.
+/// Error aimed at, relative to the tolerance. Below 1, so that an error slightly larger than predicted does
+/// not cost another run.
 constexpr double aim = 0.8;
 constexpr int most_runs = 20;
-/// Limit of runs with a warning, after which the loop ends.
+/// Number of runs with a warning after which the refinement ends.
 constexpr int most_warned = 3;
 
 double two_digits(double size) { return std::stod(fmt::format("{:.2g}", size)); }
@@ -88,7 +88,7 @@ TrialRun Refinement::tried(const Rung& rung) {
     try {
       trials_.verify(trial);
     } catch (const Interrupted&) {
-      trial.warning = "no run with half its steps has ended";
+      trial.warning = "the run with half the step length did not finish";
       take();
       throw;
     }
@@ -124,7 +124,7 @@ void Refinement::run(bool economise) {
       continue;
     last = trial;
   }
-  ended_ = fmt::format("the estimate does not fall in {} runs", most_runs);
+  ended_ = fmt::format("the error is still too large after {} runs", most_runs);
 }
 
 std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Rung>& other_degree) {
@@ -142,10 +142,10 @@ std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Ru
   const double expected = trials_.seconds(next);
   console_.line(fmt::format("next: {}, about {:.2g} s", trials_.words(next), expected));
   if (budget_ && elapsed_.seconds() + expected > *budget_) {
-    console_.line(fmt::format("that is beyond the budget of {:.3g} s (--budget)", *budget_));
+    console_.line(fmt::format("that run would exceed the budget of {:.3g} s (--budget)", *budget_));
     const std::optional<Rung> fitting = within_budget(last.rung, next, other_degree);
     if (!fitting) {
-      ended_ = fmt::format("a next run is beyond the budget of {:.3g} s", *budget_);
+      ended_ = fmt::format("the next run would exceed the budget of {:.3g} s", *budget_);
       return std::nullopt;
     }
     next = *fitting;
@@ -155,8 +155,8 @@ std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Ru
   return next;
 }
 
-/// Alternative to a `next` beyond the budget: the other degree at the size for which it was priced, or a
-/// smaller refinement of `last`; absent if the budget allows little.
+/// Alternative to the rung `next` if that would exceed the budget: the rung `other_degree`, or a smaller
+/// refinement of `last`; absent if the remaining time permits neither.
 std::optional<Rung> Refinement::within_budget(const Rung& last, const Rung& next,
                                               const std::optional<Rung>& other_degree) {
   constexpr double worth = 0.9; // the least change of a size or a step
@@ -192,10 +192,11 @@ std::string sentence(const Refinement& refinement, const TrialRuns& trials, cons
   text += fmt::format("{:.2e} estimated (space {:.1e}, time {:.1e}", best.error(), best.space, best.time);
   if (best.search > 0)
     text += fmt::format(", search {:.1e}", best.search);
-  return text + fmt::format("): {}; {}, {:.2g} s in all, of which the run took {:.2g} s; {} would take about "
+  return text + fmt::format("): {}; {}, {:.2g} s in all, {:.2g} s of them for this run; {} would take about "
                             "{:.2g} s",
                             end, trials.words(best.rung), refinement.seconds(), best.seconds,
-                            refinement.within() ? "half the error" : "what is asked", refinement.further());
+                            refinement.within() ? "half of this error" : "the error asked",
+                            refinement.further());
 }
 
 } // namespace

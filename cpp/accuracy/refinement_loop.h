@@ -7,100 +7,109 @@
 #include <mpi.h>
 #include <optional>
 
-/// The multilevel loop: sizes and steps are refined until a run meets a relative error.
+/// Refinement of element sizes and time steps until a run meets a relative error.
 namespace signorini::accuracy {
 
-/// A pair of numbers: one for the size of elements, one for the length of steps.
+/// A pair of numbers: one for the element size, one for the length of steps.
 struct SizeAndStep {
   double size = 0, step = 0;
 };
 
-/// Observed order of a part of the error that fell from `coarse` to `fine` as the element size or the step
-/// fell by `factor`, clamped between that at wave fronts of an impact and a little above that of the schemes;
-/// `otherwise` where the values give none.
+/// Observed order of an error that changed from `coarse` to `fine` when the element size or step was
+/// multiplied by `factor`. Clamped to 0.5 (wave fronts of an impact) to 2.5 (slightly above the order of the
+/// schemes). Returns `otherwise` unless the factor is below 0.9 and both errors are positive.
 double observed_order(double coarse, double fine, double factor, double otherwise);
 
-/// Factors of size and step at which the parts of an error add up to `target` at the least cost. The parts
-/// are proportional to powers of the factors with `orders`, the cost is size^(−dim·step_power(dim)) / step;
-/// each factor is between `least` and `most`. Where nothing may become coarser, a part that is small already
-/// leaves its share to the other.
+/// Factors on size and step with which the parts of `error` add up to `target` at the least cost. The parts
+/// are proportional to powers of the factors with the exponents `orders`; the cost is proportional to
+/// size^(−dim·step_power(dim)) / step. Each factor is between `least` and `most`. If `most` is at most 1 and
+/// one part is already below its share of the target, the other part gets the remainder.
 SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders, double target, int dim,
                              double least, double most);
 
-/// A run at one size and one step, and the estimated parts of its relative error.
+/// A run on one rung, and the estimated parts of its relative error.
 struct TrialRun {
   Rung rung;
-  double space = 0, time = 0;
-  double search = 0;     ///< decrease of J that the search leaves
-  double seconds = 0;    ///< duration of the run alone
-  std::string grounds{}; ///< source of the error, in words
-  std::string warning{}; ///< why the run is not verified though its error is small
+  double space = 0, time = 0; ///< relative errors of the mesh and of the time steps
+  double search = 0;          ///< relative error of the search: the decrease of J that remains
+  double seconds = 0;         ///< duration of this run
+  std::string grounds{};      ///< how the error was estimated, in words
+  std::string warning{};      ///< why the run is not verified although its error is small; empty if it is
+  /// Estimated relative error: the sum of its parts.
   [[nodiscard]] double error() const { return space + time + search; }
+  /// Whether the error is at most `tolerance`, without a warning.
   [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && warning.empty(); }
 };
 
-/// Makes runs of a scene at given sizes and steps, estimates their errors and keeps their results. All
-/// members are collective; those that run throw UserError, SolverFailure, Interrupted.
+/// Interface of classes that run a scene on given rungs, estimate the errors and store the results. All
+/// members are collective; run() and verify() throw UserError, SolverFailure, Interrupted.
 class TrialRuns {
 public:
-  /// Range in which estimates predict the error of other sizes and steps.
+  /// Range in which an error estimate predicts the errors of other rungs.
   struct Reach {
-    double order;   ///< assumed order of the estimates, before any is observed
-    double finer;   ///< the largest factor by which size and step become smaller at once
-    double coarser; ///< the largest factor by which they become larger at once
+    double order;   ///< assumed order of convergence before an order has been observed
+    double finer;   ///< largest factor by which size and step may decrease from one run to the next
+    double coarser; ///< largest factor by which size and step may increase from one run to the next
   };
 
   virtual ~TrialRuns() = default;
+  /// Range in which predictions are used.
   [[nodiscard]] virtual Reach reach() const = 0;
+  /// Dimension of the mesh.
   [[nodiscard]] virtual int dim() const = 0;
   /// Title of the quantity whose error is estimated.
   [[nodiscard]] virtual std::string title() const { return "J"; }
-  /// Rungs to begin with; the first that can be meshed and solved is taken.
+  /// Rungs for the first run; the first rung that can be meshed and solved is used.
   [[nodiscard]] virtual std::vector<Rung> beginnings() const = 0;
-  /// A coarse rung whose results are kept before any error is estimated.
+  /// A coarse rung whose results are stored before any error is estimated; absent: none.
   [[nodiscard]] virtual std::optional<Rung> unestimated() const { return {}; }
-  /// The next finer rung that can run.
+  /// The rung nearest to `rung` that can be run and estimated, with steps that are not longer.
   [[nodiscard]] virtual Rung nearest(const Rung& rung) const = 0;
-  /// A rung of another degree that is tried once, where it costs less than the next step of the refinement.
+  /// A rung of another degree, which is tried once if it costs less than the next refinement; absent: none.
   [[nodiscard]] virtual std::optional<Rung> other_degree() const { return {}; }
-  /// Predicted seconds of all runs that a rung needs.
+  /// Predicted seconds of all runs that are needed to run and estimate a rung.
   [[nodiscard]] virtual double seconds(const Rung& rung) = 0;
-  /// Size and step in words.
+  /// Describes size and step of a rung.
   [[nodiscard]] virtual std::string words(const Rung& rung) const = 0;
 
+  /// Runs a rung and estimates its error.
   virtual TrialRun run(const Rung& rung) = 0;
-  /// Compares the last run with one of half the step length, which may raise its error in time, and sets its
-  /// warning.
+  /// Compares the last run with a run with half the step length. Sets the warning of `trial`, and raises its
+  /// error in time if the difference is larger.
   virtual void verify(TrialRun& trial) = 0;
-  /// Ends the last run; its results are kept if it is `better` than all before.
+  /// Ends the last run, and stores its results if `better`: if it is better than all runs before.
   virtual void conclude(const TrialRun& trial, bool better) = 0;
 };
 
-/// Refines size and step from run to run, to the cheapest for which the predicted error meets the tolerance.
-/// The references must outlive this object.
+/// Refines size and step from run to run. Each next run is the cheapest one whose predicted error meets the
+/// tolerance. The references must outlive this object.
 class Refinement {
 public:
-  /// `tolerance`: limit of the estimated error. `budget`, s: a run is not begun if it is predicted to exceed
-  /// it.
+  /// `tolerance`: limit of the estimated relative error. `budget`: time limit, s; a run does not start if it
+  /// is predicted to end later. `elapsed`: time since the start of the refinement.
   Refinement(TrialRuns& trials, double tolerance, std::optional<double> budget, const Elapsed& elapsed,
              const Console& console)
       : trials_(trials), tolerance_(tolerance), budget_(budget), elapsed_(elapsed), console_(console),
         orders_{trials.reach().order, trials.reach().order} {}
 
-  /// Refines until a run meets the tolerance or none can follow. With `economise` a first run that meets it
-  /// is followed by cheaper ones. Throws UserError, SolverFailure, Interrupted. Collective.
+  /// Refines until a run meets the tolerance or no further run is possible. `economise`: whether to try a
+  /// cheaper run if the first one meets the tolerance. Throws UserError, SolverFailure, Interrupted.
+  /// Collective.
   void run(bool economise);
 
-  /// The run with the smallest error so far, or the cheapest of those that meet the tolerance; its results
-  /// are kept.
+  /// The best run so far, whose results are stored: the cheapest run that meets the tolerance, else the run
+  /// with the smallest error. Absent before the first run.
   [[nodiscard]] const std::optional<TrialRun>& best() const { return best_; }
+  /// Whether best() meets the tolerance without a warning.
   [[nodiscard]] bool met() const { return best_ && best_->meets(tolerance_); }
-  /// Whether the error of best() is small enough, verified or not.
+  /// Whether the estimated error of best() is within the tolerance, with or without a warning.
   [[nodiscard]] bool within() const { return best_ && best_->error() <= tolerance_; }
-  /// Reason why no further run follows, though the tolerance is not met; empty if there is none.
+  /// Reason why the refinement ended before the tolerance was met; may be empty.
   [[nodiscard]] const std::string& ended() const { return ended_; }
-  /// Predicted seconds of a run that meets the tolerance or, where within(), has half of best()'s error.
+  /// Predicted seconds of a run that meets the tolerance; if within(), of a run with half the error of
+  /// best().
   [[nodiscard]] double further() const { return further_; }
+  /// Seconds since the start of the refinement.
   [[nodiscard]] double seconds() const { return elapsed_.seconds(); }
 
 private:
@@ -125,15 +134,15 @@ private:
 
 /// Accuracy, budget and quantity that the command line requests.
 struct AccuracyAsked {
-  double error;                             ///< relative, of the quantity
-  std::optional<double> budget{};           ///< s
-  std::vector<std::string> quantities{"J"}; ///< names, exactly one
+  double error;                             ///< relative error of the quantity
+  std::optional<double> budget{};           ///< time limit, s
+  std::vector<std::string> quantities{"J"}; ///< name of the quantity; exactly one
 };
 
-/// Runs a refinement for --accuracy, which stop_after() may end. Prints a sentence with the requested and the
-/// estimated error, the time taken, and the time that half the error would take. Returns the exit status: 1
-/// if the error is not met, 130 if interrupted. Collective. Throws UserError, SolverFailure, and Interrupted
-/// before there is an answer.
+/// Runs a refinement for --accuracy, until the requested error is met or a time limit set by stop_after()
+/// passes. Prints a sentence with the requested and the estimated error, the time taken, and the predicted
+/// time for a smaller error. Returns the exit status: 1 if the error is not met, 130 if interrupted. Throws
+/// UserError, SolverFailure; Interrupted before the first result. Collective.
 int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& trials,
                        const AccuracyAsked& asked, const std::filesystem::path& out, const Console& console);
 

@@ -89,7 +89,7 @@ std::string digest_of(const std::vector<std::uint8_t>& bytes) {
   return Digest().add({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).text();
 }
 
-constexpr const char* damaged = "its file is damaged, or of another version of this program";
+constexpr const char* damaged = "its file is damaged, or from another version of this program";
 
 void replace(const std::filesystem::path& file, const char* data, std::size_t size) {
   std::filesystem::path partial = file;
@@ -107,8 +107,8 @@ void replace(const std::filesystem::path& file, const char* data, std::size_t si
   }
 }
 
-/// Loads the content that store_kept() wrote to a file. Returns nothing if there is no file, or if it is
-/// damaged or of another fingerprint; `unfit` is then the reason. Throws Json::exception.
+/// Loads the content that store_kept() wrote to a file; absent if the file is missing, damaged or has another
+/// fingerprint. In the last two cases `unfit` receives the reason. Throws Json::exception.
 std::optional<Json> load_kept(const std::filesystem::path& file, const Fingerprint& fingerprint,
                               std::string& unfit) {
   std::ifstream in(file, std::ios::binary);
@@ -134,7 +134,7 @@ void store_kept(const std::filesystem::path& file, Json json, const Fingerprint&
   replace(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-/// A number as text for a table; empty if it is absent or not finite.
+/// Text of a number for a table; empty if the number is absent or not finite.
 std::string cell(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? fmt::format("{:.17g}", *value) : "";
 }
@@ -147,7 +147,7 @@ Json scatter(const std::optional<Order>& order) {
 
 Json asymptotic(const std::optional<Order>& order) { return order ? Json(order->asymptotic) : Json(); }
 
-/// The finest rung's error bar and its parts, relative.
+/// Writes the error bar of the reference rung and its parts as JSON.
 Json given(const std::optional<ReferenceBar>& bar) {
   if (!bar)
     return {};
@@ -198,7 +198,7 @@ CachedRung RungCache::load(const Rung& rung, const Fingerprint& fingerprint,
     for (const Quantity& quantity : wanted)
       if (!(quantity.field ? measured.fields.contains(quantity.name)
                            : measured.numbers.contains(quantity.name)))
-        return {std::nullopt, fmt::format("the {} was not measured", quantity.title)};
+        return {std::nullopt, fmt::format("its stored results lack the {}", quantity.title)};
     return {std::move(measured), ""};
   } catch (const Json::exception&) {
     return {std::nullopt, damaged};
@@ -234,13 +234,13 @@ void RungCache::remove(const std::string& name) const {
   std::filesystem::remove(folder_ / name, absent);
 }
 
-std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
+std::string csv(const std::vector<RungResult>& results, const std::vector<Errors>& errors, double end) {
   std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes,tolerance,graded";
   for (const Errors& one : errors)
     text +=
         fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto,{0}_envelope", one.quantity.name);
   const bool estimated = std::ranges::any_of(
-      results, [](const Result& result) { return result.measured && result.measured->estimate; });
+      results, [](const RungResult& result) { return result.measured && result.measured->estimate; });
   if (estimated) // relative to J, with signs
     text += ",J_estimate_space,J_estimate_time,J_estimate_initial,J_estimate_desired";
   text += '\n';
@@ -272,7 +272,7 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
   return text;
 }
 
-std::string json(const scene::Scene& scene, const std::vector<Result>& results, std::size_t searches,
+std::string json(const scene::Scene& scene, const std::vector<RungResult>& results, std::size_t searches,
                  const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences) {
   nlohmann::ordered_json json;
@@ -286,7 +286,7 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results, 
   json["versions"] = io::versions();
   json["files"] = file_names;
   json["rungs"] =
-      std::ranges::count_if(results, [](const Result& result) { return result.measured.has_value(); });
+      std::ranges::count_if(results, [](const RungResult& result) { return result.measured.has_value(); });
   json["searches"] = searches;
   json["warnings"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < results.size(); ++i)

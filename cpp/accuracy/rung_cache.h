@@ -8,37 +8,39 @@
 
 namespace signorini::accuracy {
 
-/// The results of a rung in the folder of a study.
+/// Results of a rung, loaded from the folder of a study.
 struct CachedRung {
-  std::optional<Measured> measured; ///< empty if it has to run
-  std::string unfit;                ///< why its file cannot be used; empty if there is none
+  std::optional<Measured> measured; ///< the results; absent if the rung has to run
+  std::string unfit;                ///< why the rung's file cannot be used; empty if it can or there is none
 };
 
-/// The result of a search in the folder of a study.
+/// Result of a search, loaded from the folder of a study.
 struct CachedSearch {
-  std::optional<SearchCost> cost;
-  std::string unfit;
+  std::optional<SearchCost> cost; ///< the result; absent if the search has to run
+  std::string unfit;              ///< why the search's file cannot be used; empty if it can or there is none
 };
 
-/// The folder of a study: one file for each rung and search that has run, and the tables of all of them. A
-/// later study of the same scene continues from these files. Used on rank 0. Files are replaced as a whole.
-/// Throws UserError.
+/// Folder of a study: a file for each rung and search that has run, and tables of all results. A later study
+/// of the same scene continues from these files. Files are replaced as a whole. Used on rank 0. All members
+/// throw UserError.
 class RungCache {
 public:
   /// Creates the folder and locks it for this study.
   explicit RungCache(const std::filesystem::path& folder);
   ~RungCache();
 
-  /// The results of a rung, if its file is intact, has the same fingerprint and all of the wanted quantities.
+  /// Loads the results of a rung, if the rung's file is undamaged, has this fingerprint, and has all `wanted`
+  /// quantities.
   [[nodiscard]] CachedRung load(const Rung& rung, const Fingerprint& fingerprint,
                                 const std::vector<Quantity>& wanted) const;
   void save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const;
 
-  /// The result of a search to this tolerance, if its file is intact and has the same fingerprint.
+  /// Loads the result of a search to this tolerance, if the search's file is undamaged and has this
+  /// fingerprint.
   [[nodiscard]] CachedSearch load(double tolerance, const Fingerprint& fingerprint) const;
   void save(const SearchCost& search, const Fingerprint& fingerprint) const;
 
-  /// Writes a text file.
+  /// Writes a text file into the folder.
   void write(const std::string& name, const std::string& text) const;
   /// Removes a file of the folder, if it exists.
   void remove(const std::string& name) const;
@@ -50,11 +52,11 @@ private:
   io::FolderLock lock_;
 };
 
-/// study.csv: a row for each rung that has run.
-std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end);
+/// Text of study.csv: a row for each rung that has run. `end`: end of the motion, s.
+std::string csv(const std::vector<RungResult>& results, const std::vector<Errors>& errors, double end);
 
-/// study.json: the scene, quantities, orders and sentences, and the number of searches.
-std::string json(const scene::Scene& scene, const std::vector<Result>& results, std::size_t searches,
+/// Text of study.json: scene, quantities, orders and sentences of a study, and the number of its searches.
+std::string json(const scene::Scene& scene, const std::vector<RungResult>& results, std::size_t searches,
                  const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences);
 

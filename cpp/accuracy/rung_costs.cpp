@@ -7,15 +7,15 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Times runs of few steps of a scene by processor time: differences of short runs mean nothing where other
-/// programs have the processors.
+/// Times runs of few steps of a scene. Uses processor time, since differences between wall-clock times of
+/// short runs are meaningless while other programs run.
 class ShortRuns {
 public:
-  ShortRuns(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+  ShortRuns(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& samples,
             const std::vector<Quantity>& wanted, bool estimate)
       : comm_(comm), scene_(scene), samples_(samples), wanted_(wanted), estimate_(estimate) {}
 
-  /// Times the set-up and a step of a rung.
+  /// Measures the times of the set-up and of one step of a rung.
   [[nodiscard]] CostModel::Timed time(const Rung& rung) const {
     constexpr double enough = 0.5, patience = 1; // of the shortest run; s
     constexpr int more = 4;
@@ -33,7 +33,7 @@ public:
   }
 
 private:
-  /// Unknowns and seconds of a run with this many of the rung's steps.
+  /// Number of unknowns and seconds of a run with the first `steps` steps of a rung.
   [[nodiscard]] std::pair<double, double> run(const Rung& rung, int steps) const {
     Rung few = rung;
     few.steps = steps;
@@ -50,15 +50,15 @@ private:
 
   MPI_Comm comm_;
   const scene::Scene& scene_;
-  const Samples& samples_;
+  const SamplePoints& samples_;
   const std::vector<Quantity>& wanted_;
   bool estimate_;
 };
 
-/// The coarsest rung of a degree with the shortest step, and how fine sizes become.
+/// Range of the rungs of one degree.
 struct Extent {
-  Rung coarsest;
-  double finest;
+  Rung coarsest; ///< rung with the largest size and the most steps
+  double finest; ///< smallest size
 };
 
 Extent extent(const std::vector<Rung>& rungs, int degree) {
@@ -75,8 +75,8 @@ Extent extent(const std::vector<Rung>& rungs, int degree) {
   return found;
 }
 
-/// The cheapest combination of the rungs whose steps the motion chooses: largest size and tolerance, lowest
-/// degree.
+/// Rung with the largest size, the largest tolerance and the lowest degree among the rungs with steps of
+/// varying length; absent if there are no such rungs.
 std::optional<Rung> easiest_of_chosen(const std::vector<Rung>& rungs) {
   std::optional<Rung> found;
   for (const Rung& rung : rungs) {
@@ -142,7 +142,7 @@ void RungCosts::learn(const Rung& rung, double seconds) {
 }
 
 RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
-                const Samples& samples, const std::vector<Quantity>& wanted, bool estimate) {
+                const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate) {
   const ShortRuns runs(comm, scene, samples, wanted, estimate);
   double steps_by_width = 0;
   std::vector<Rung> of_one_length = rungs;

@@ -4,20 +4,19 @@
 
 namespace signorini::accuracy {
 
-/// Cost of runs of one degree: a set-up and a time for each step, both of the form a + b n^p in the unknowns
-/// n with the exponent of step_power(). On coarse meshes the constants dominate.
+/// Model of the run time of rungs of one degree: the time of the set-up plus a time for each step. Both have
+/// the form a + b n^p in the number n of unknowns, with p = step_power(). On coarse meshes a dominates.
 class CostModel {
 public:
-  /// Measured set-up and step with this many unknowns, s.
+  /// Measured times of a run.
   struct Timed {
-    double unknowns, setup, step;
+    double unknowns, setup, step; ///< number of unknowns; seconds of the set-up and of one step
   };
 
-  /// Fits the costs on one mesh, where constant costs cannot be separated and are neglected, or on a coarse
-  /// and a finer one.
+  /// Fits the model to the times on a coarse and a finer mesh, or on one mesh; then a is taken as zero.
   CostModel(const std::vector<Timed>& timed, int dim);
 
-  /// Predicted seconds of a whole run.
+  /// Predicted seconds of a run with the given numbers of unknowns and steps.
   [[nodiscard]] double seconds(double unknowns, double steps) const;
 
 private:
@@ -28,25 +27,28 @@ private:
   Power setup_, step_;
 };
 
-/// Predicted unknowns and seconds of rungs.
+/// Predicts the number of unknowns and the seconds of rungs.
 class RungCosts {
 public:
-  /// Unknowns and cost of the meshes of one degree.
+  /// Data for the rungs of one degree.
   struct DegreeCost {
     int degree;
     int dim;
-    std::map<double, double> unknowns; ///< number of unknowns by size, of one or more meshes
+    std::map<double, double> unknowns; ///< number of unknowns by element size, for one or more meshes
     CostModel cost;
   };
-  /// `steps_by_width`: number of chosen steps times Rung::step_width(), the same for any tolerance.
+  /// `known`: data for each degree. `steps_by_width`: product of the number of steps and Rung::step_width()
+  /// for steps of varying length, assumed to be the same for any tolerance.
   RungCosts(std::vector<DegreeCost> known, double steps_by_width)
       : known_(std::move(known)), steps_by_width_(steps_by_width) {}
 
-  /// Predicted number of unknowns: a power of the size, fitted between known sizes; beyond, the dimension's.
+  /// Predicted number of unknowns, a power of the element size. The exponent is fitted between known sizes;
+  /// beyond these sizes it is minus the dimension.
   [[nodiscard]] double unknowns(const Rung& rung) const;
+  /// Predicted seconds of a rung.
   [[nodiscard]] double seconds(const Rung& rung) const;
 
-  /// Corrects the predictions by the measured seconds of a rung: all of them by the same factor.
+  /// Corrects all predicted seconds by one factor, from the measured seconds of a rung.
   void learn(const Rung& rung, double seconds);
 
 private:
@@ -57,12 +59,12 @@ private:
   double expected_ = 0, found_ = 0; ///< predicted and measured seconds of the rungs that have run
 };
 
-/// Predicts the costs of a ladder from runs of few steps, for each degree on its coarsest mesh and on one of
-/// some thousand unknowns. A run makes as many steps as take half as long as the set-up. Steps that the
-/// motion chooses are priced like equally many of one length; their number is measured with the largest
-/// tolerance on the coarsest mesh. `estimate`: whether a run includes the estimate of J's error. Collective.
-/// Throws UserError, SolverFailure, Interrupted.
+/// Predicts the costs of a ladder from runs of few steps: for each degree on the ladder's coarsest mesh, and
+/// on a mesh with a few thousand unknowns. Each run computes enough steps to take half as long as the set-up.
+/// Steps of varying length are assumed to cost as much as steps of one length; their number is measured with
+/// the largest tolerance on the coarsest mesh. `estimate`: whether rungs include the error estimate of J.
+/// Throws UserError, SolverFailure, Interrupted. Collective.
 RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
-                const Samples& samples, const std::vector<Quantity>& wanted, bool estimate);
+                const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate);
 
 } // namespace signorini::accuracy

@@ -24,8 +24,8 @@ std::vector<scene::ContactScheme> schemes(const scene::Scene& scene, const std::
     if (found == allowed.end())
       throw UserError(fmt::format("--schemes: found \"{}\"; choices: {}", name, list(allowed)));
     if (found != allowed.begin() && scene.contacts.empty())
-      throw UserError(fmt::format("--schemes: found \"{}\" in a scene without contact, where it makes no "
-                                  "difference; leave it out or choose {}",
+      throw UserError(fmt::format("--schemes: found \"{}\" in a scene without contact, where the scheme has "
+                                  "no effect; leave --schemes out or choose {}",
                                   name, allowed.front()));
     schemes.push_back(static_cast<scene::ContactScheme>(found - allowed.begin()));
   }
@@ -37,13 +37,14 @@ std::vector<T> or_default(const std::vector<T>& given, const std::vector<T>& oth
   return given.empty() ? otherwise : given;
 }
 
-/// The whole number of steps to time.end whose length is nearest.
+/// Number of steps to time.end whose length is nearest to the requested one.
 int steps_of(double tau, double end) {
   const double steps = std::round(end / tau);
   if (!(steps <= scene::Time::most_steps))
     throw UserError(fmt::format(
-        "--steps: found {} s, which makes {:.10g} steps to time.end = {:.10g} s; choose 1 to {} steps", tau,
-        end / tau, end, scene::Time::most_steps));
+        "--steps: found {} s, which gives {:.10g} steps until time.end = {:.10g} s; choose a length that "
+        "gives 1 to {} steps",
+        tau, end / tau, end, scene::Time::most_steps));
   return std::max(1, static_cast<int>(steps));
 }
 
@@ -53,7 +54,7 @@ void require_positive(const std::vector<double>& values, const char* option, con
       throw UserError(fmt::format("{}: found {}; expected numbers above 0 {}", option, value, unit));
 }
 
-/// Rungs of all steps and tolerances, without sizes.
+/// Makes a rung for each step and tolerance, without sizes.
 std::vector<Rung> rungs_in_time(const scene::Time& time, const Choice& choice) {
   constexpr std::array multiples{4.0, 2.0, 1.0};
   std::vector<double> steps, tolerances;

@@ -6,70 +6,73 @@
 #include <string>
 #include <vector>
 
-/// Accuracy against cost: a ladder of runs of one scene, their errors and observed orders.
+/// Accuracy against cost: a ladder of runs of one scene, with errors and observed orders of convergence.
 namespace signorini::accuracy {
 
-/// One run of a ladder.
+/// Settings of one run of a ladder.
 struct Rung {
-  double size = 1; ///< element size, m; without mesh.size the scale of the .geo's own sizes
-  int steps = 0;   ///< number of steps of one length; 0: chosen by the motion
-  int degree = 1;
+  double size = 1; ///< element size, m; without mesh.size, a factor on the sizes that the .geo sets
+  int steps = 0;   ///< number of steps of equal length; 0: steps of varying length
+  int degree = 1;  ///< degree of the displacement
   scene::ContactScheme scheme = scene::ContactScheme::contact_implicit;
-  double tolerance = 0; ///< time.tolerance of steps that the motion chooses, else 0
-  bool graded = false;  ///< sizes vary with the error (Mesh::graded); as many elements as a mesh of `size`
+  double tolerance = 0; ///< time.tolerance of steps of varying length, else 0
+  bool graded = false;  ///< whether the mesh is graded (Mesh::graded), with as many elements as one of `size`
 
+  /// Whether steps vary in length.
   [[nodiscard]] bool chooses_steps() const { return tolerance > 0; }
-  /// Width of the steps; the error in time falls as its square. It is the part of the whole time that a step
-  /// takes or, if the motion chooses steps, the square root of their tolerance.
+  /// Dimensionless width of the steps, to whose square the error in time is proportional. For steps of equal
+  /// length: length of a step over the duration of the motion; for steps of varying length: √tolerance.
   [[nodiscard]] double step_width() const { return chooses_steps() ? std::sqrt(tolerance) : 1.0 / steps; }
-  /// This rung with steps, on the average, `factor` times as wide; whole numbers of steps are rounded up.
+  /// This rung with a step_width() that is `factor` times as large; numbers of steps are rounded up.
   [[nodiscard]] Rung with_steps(double factor) const;
 
   friend auto operator<=>(const Rung&, const Rung&) = default;
 };
 
-/// Values that make up a ladder; an empty list stands for the default.
+/// Settings from which a ladder is made; an empty list stands for the default.
 struct Choice {
-  std::vector<double> sizes{}, steps{}; ///< m, s
+  std::vector<double> sizes{}, steps{}; ///< element sizes, m; lengths of steps, s
   std::vector<int> degrees{};
-  std::vector<std::string> schemes{};  ///< names of all but mixed
-  std::vector<double> tolerances = {}; ///< tolerances of steps that the motion chooses
-  bool graded = false;                 ///< whether to add the same rungs with sizes that vary
+  std::vector<std::string> schemes{};  ///< names of scene::ContactScheme except mixed
+  std::vector<double> tolerances = {}; ///< values of time.tolerance for steps of varying length
+  bool graded = false;                 ///< whether to add all rungs with graded meshes
 };
 
-/// Names of a rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
+/// Values of time.scheme and contact.mass for a contact scheme; mass is "mixed" if it differs between
+/// contacts.
 struct SchemeAndMass {
   std::string scheme, mass;
 };
 SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
 
-/// All rungs of a choice: every size with every step, tolerance, degree and scheme. The default is the
-/// scene's own with twice and four times its size and step. With time.step = "auto" it has four and sixteen
-/// times its tolerance and no steps of one length, else no tolerance. Where the .geo sets its own sizes they
-/// are scales of these; a .msh has one. Graded meshes are added to those of one size. Steps are the nearest
-/// that divide time.end. A named scheme applies to every contact; without one each contact keeps the scene's.
-/// Throws UserError.
+/// Makes all rungs of a ladder: every size with every step or tolerance, degree and scheme. Default sizes and
+/// steps are 1, 2 and 4 times the scene's. If time.step is "auto", the defaults are 1, 4 and 16 times the
+/// scene's tolerance and no steps; else no tolerances. If the .geo sets its own sizes, sizes are factors on
+/// these; a .msh has one size. Graded rungs are added to uniform ones. Steps are rounded so that they divide
+/// time.end. A named scheme applies to every contact; by default each contact keeps its scheme. Throws
+/// UserError.
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice);
 
-/// The rung of the scene's own size, steps, degree and scheme.
+/// Rung with the scene's own size, steps, degree and scheme.
 Rung own_rung(const scene::Scene& scene);
 
-/// The scene with the size, step, degree and scheme of a rung.
+/// Returns the scene with the size, steps, degree and scheme of a rung.
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
 
-/// Exponent in the unknowns of the time of a step with a factor, in 2D and 3D: ./dev bench scaling, space.
+/// Exponent p of the law that a step with a direct solver takes a time proportional to n^p for n unknowns.
+/// Measured in 2D and 3D by ./dev bench scaling, space.
 constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
 
-/// A number to which the unknowns of a rung are proportional.
+/// Number proportional to the number of unknowns of a rung.
 double relative_unknowns(const Rung& rung, int dim);
 
-/// A number to which the time of a rung is proportional, among rungs with the same kind of steps.
+/// Number proportional to the run time of a rung; comparable among rungs with the same kind of steps.
 double work(const Rung& rung, int dim);
 
-/// The rung in words: "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1", with the
-/// scheme if it is not contact-implicit.
+/// Describes a rung: "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1", with the
+/// scheme unless that is contact-implicit.
 std::string words(const Rung& rung, const scene::Scene& scene);
-/// The steps in words: "step 5e-05" or "tolerance 0.01".
+/// Describes the steps of a rung: "step 5e-05" or "tolerance 0.01".
 std::string words_of_step(const Rung& rung, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

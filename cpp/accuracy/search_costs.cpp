@@ -46,7 +46,8 @@ void require_searches(const scene::Scene& scene, const std::vector<double>& tole
   for (const double tolerance : tolerances)
     if (!(tolerance > 0 && tolerance <= 1))
       throw UserError(fmt::format(
-          "--search-tolerances: {} is no part of the first gradient; give numbers above 0 and up to 1",
+          "--search-tolerances: found {}; expected numbers above 0 and at most 1, relative to the norm of "
+          "the first gradient",
           tolerance));
 }
 
@@ -105,10 +106,11 @@ std::string sentence(const std::vector<SearchCost>& searches, double error) {
     if (above[i] <= small * error && (!cheapest || searches[i].seconds < cheapest->seconds))
       cheapest = &searches[i];
   if (!cheapest)
-    return fmt::format("no search leaves less than a tenth of J's error by size and step, {:.2g} %",
+    return fmt::format("no search leaves less than a tenth of the error that size and step cause in J, "
+                       "{:.2g} %",
                        100 * error);
-  return fmt::format("optimizer.tolerance = {:.3g} leaves less than a tenth of J's error by size and step, "
-                     "{:.2g} %: {} + {} sweeps, {:.2g} s",
+  return fmt::format("optimizer.tolerance = {:.3g} leaves less than a tenth of the error that size and step "
+                     "cause in J, {:.2g} %: {} forward + {} adjoint sweeps, {:.2g} s",
                      cheapest->tolerance, 100 * error, cheapest->forward_sweeps, cheapest->adjoint_sweeps,
                      cheapest->seconds);
 }

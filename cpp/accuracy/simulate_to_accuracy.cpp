@@ -10,7 +10,7 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Temporary folder, removed with this object; its name is known on every rank. Collective.
+/// Temporary folder, which the destructor removes; the path is available on every rank. Collective.
 class ScratchFolder {
 public:
   explicit ScratchFolder(MPI_Comm comm) : comm_(comm) {
@@ -18,7 +18,9 @@ public:
     on_root(comm, [&] {
       name = (std::filesystem::temp_directory_path() / "signorini-XXXXXX").string();
       if (!mkdtemp(name.data()))
-        throw WriteFailure(fmt::format("{}: the folder cannot be made", name));
+        throw WriteFailure(fmt::format("{}: this temporary folder cannot be created; set TMPDIR to a "
+                                       "writable folder",
+                                       name));
     });
     path_ = broadcast(comm, name);
   }

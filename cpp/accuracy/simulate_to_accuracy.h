@@ -5,10 +5,10 @@
 
 namespace signorini::accuracy {
 
-/// Runs the verb simulate with --accuracy: searches for a size and a step that meet the relative error of the
-/// requested quantity. Writes each motion that is better than those before into `out`. Ends with a sentence
-/// about the requested and the reached error, and returns the exit status. Collective. Throws UserError,
-/// SolverFailure, WriteFailure, Interrupted.
+/// Runs the verb simulate with --accuracy: refines size and step until the relative error of the requested
+/// quantity meets the request. Writes each motion that is better than all before into `out`. Prints a
+/// sentence on the requested and the estimated error, and returns the exit status. Throws UserError,
+/// SolverFailure, WriteFailure, Interrupted. Collective.
 int simulate_to_accuracy(MPI_Comm comm, scene::Scene scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, drivers::SimulateOptions how, const Console& console);
 

@@ -32,8 +32,8 @@ void show_prices(const Console& console, const std::vector<Rung>& rungs, const R
   }
   console.line(fmt::format("all {}: about {}", rungs.size(), duration(all)));
   if (searches > 0)
-    console.line(fmt::format("and {} search{}: the number of sweeps is not known in advance", searches,
-                             searches > 1 ? "es" : ""));
+    console.line(fmt::format("in addition {} search{}, whose number of sweeps and time cannot be predicted",
+                             searches, searches > 1 ? "es" : ""));
 }
 
 bool on_all(MPI_Comm comm, bool root_says) {
@@ -42,18 +42,18 @@ bool on_all(MPI_Comm comm, bool root_says) {
   return flag != 0;
 }
 
-/// A study in progress: its rungs in the order of cost, its searches, and their results.
+/// State of a study: rungs in ascending order of cost, searches, and results.
 class Study {
 public:
   Study(MPI_Comm comm, const scene::Scene& scene, const Options& options, const std::vector<Quantity>& wanted,
-        const Samples& samples, const std::optional<RungCache>& store, std::optional<RungCosts>& price,
+        const SamplePoints& samples, const std::optional<RungCache>& store, std::optional<RungCosts>& price,
         const Elapsed& elapsed, const Console& console)
       : comm_(comm), scene_(scene), options_(options), wanted_(wanted), samples_(samples), store_(store),
         price_(price), elapsed_(elapsed), console_(console), root_(rank(comm) == 0),
         exact_(exact_values(scene, samples)) {}
 
-  /// Loads the results of all rungs that the folder has: errors refer to the finest, even if the study ends
-  /// early.
+  /// Loads the results of all rungs that are in the folder, since errors refer to the finest rung even if
+  /// this study ends early.
   void load(const std::vector<Rung>& rungs) {
     if (root_)
       origin_.emplace(scene_, samples_, ranks(comm_));
@@ -68,7 +68,7 @@ public:
     MPI_Bcast(&kept_, 1, MPI_INT, 0, comm_);
   }
 
-  /// Runs the rungs without results within the budget. Returns the exit status.
+  /// Runs the rungs that have no results yet, as long as the budget permits. Returns the exit status.
   int run() {
     for (std::size_t i = 0; i < results_.size(); ++i) {
       const Rung& rung = results_[i].rung;
@@ -102,7 +102,7 @@ public:
     return 0;
   }
 
-  /// Searches the optimum to each tolerance within the budget. Returns the exit status.
+  /// Searches for the optimum with each tolerance, as long as the budget permits. Returns the exit status.
   int search() {
     const std::vector<double>& tolerances = options_.search_tolerances;
     if (left_ || tolerances.empty())
@@ -122,7 +122,8 @@ public:
                 fmt::format("search {} of {} runs again: {}", i + 1, tolerances.size(), found.unfit));
           found.cost = search_to(comm_, scene_, tolerances[i]);
           on_root(comm_, [&] { store_->save(*found.cost, *origin); });
-          console_.line(fmt::format("search {} of {}: tolerance {:.3g}: {} + {} sweeps, {:.3g} s; {} so far",
+          console_.line(fmt::format("search {} of {}: tolerance {:.3g}: {} forward + {} adjoint sweeps, "
+                                    "{:.3g} s; {} so far",
                                     i + 1, tolerances.size(), tolerances[i], found.cost->forward_sweeps,
                                     found.cost->adjoint_sweeps, found.cost->seconds,
                                     duration(elapsed_.seconds())));
@@ -157,15 +158,15 @@ public:
       all.show(console_);
     });
     if (kept_ > 0)
-      console_.line(fmt::format("{} of {} rungs were there already", kept_, results_.size()));
+      console_.line(fmt::format("{} of {} rungs were already stored in the folder", kept_, results_.size()));
     if (left_)
-      console_.line(fmt::format("the budget ends before rung {} of {}, which would take about {}; the same "
-                                "command with a larger --budget continues from here",
+      console_.line(fmt::format("the budget ends before rung {} of {}, which would take about {}; to "
+                                "continue, repeat the command with a larger --budget",
                                 *left_ + 1, results_.size(),
                                 duration(price_->seconds(results_[*left_].rung))));
     if (searches_left_ || (left_ && !options_.search_tolerances.empty()))
-      console_.line("the budget ends before the last search; the same command with a larger --budget "
-                    "continues from here");
+      console_.line("the budget ends before the last search; to continue, repeat the command with a larger "
+                    "--budget");
     console_.line(fmt::format("results in {}", out.string()));
   }
 
@@ -176,7 +177,7 @@ private:
   const scene::Scene& scene_;
   const Options& options_;
   const std::vector<Quantity>& wanted_;
-  const Samples& samples_;
+  const SamplePoints& samples_;
   const std::optional<RungCache>& store_; ///< on rank 0
   std::optional<RungCosts>& price_;
   const Elapsed& elapsed_;
@@ -184,12 +185,12 @@ private:
   bool root_;
   Exact exact_;
   std::optional<Origin> origin_; ///< on rank 0
-  std::vector<Result> results_;
-  std::vector<std::string> unfit_; ///< why the folder's result of a rung is not taken
+  std::vector<RungResult> results_;
+  std::vector<std::string> unfit_; ///< reasons why results in the folder are not used
   int ran_ = 0, kept_ = 0;
-  std::optional<std::size_t> left_;  ///< the rung before which the budget ends
+  std::optional<std::size_t> left_;  ///< first rung that was not run because of the budget; absent: none
   std::vector<SearchCost> searches_; ///< on rank 0
-  bool searches_left_ = false;       ///< whether the budget ends before the last search
+  bool searches_left_ = false;       ///< whether a search was not run because of the budget
 };
 
 } // namespace
@@ -212,7 +213,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
     scene.mesh.graded = std::filesystem::absolute(out) / "graded.geo";
     write_graded(comm, scene, scene.mesh.graded, console);
   }
-  const Samples samples(comm, scene);
+  const SamplePoints samples(comm, scene);
   const std::vector<Quantity> wanted = chosen(scene, options.quantities, samples.dim);
   std::optional<RungCosts> prices;
   Study study(comm, scene, options, wanted, samples, store, prices, elapsed, console);

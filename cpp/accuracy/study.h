@@ -7,27 +7,28 @@
 
 namespace signorini::accuracy {
 
+/// Options of the verb study.
 struct Options {
   Choice choice;
-  std::vector<std::string> quantities;   ///< names; empty: all that the scene has but the gradient
+  std::vector<std::string> quantities;   ///< names of the quantities to compare; empty: default of chosen()
   std::vector<double> search_tolerances; ///< optimizer.tolerance of each search after the ladder
-  std::optional<double> budget;          ///< s
-  bool dry_run = false;                  ///< price the ladder and stop
+  std::optional<double> budget;          ///< time limit, s
+  bool dry_run = false;                  ///< whether only to predict the cost of the ladder
 };
 
-/// Runs the ladder in the order of cost and leaves study.csv, study.json and a file for each rung in `out`.
-/// Rungs that are already there are not run again. With search_tolerances it then searches for the optimum of
-/// the scene to each, and writes cost and remaining error to search.csv. With a budget it stops before a rung
-/// that would not end within it. Returns the exit status: 130 if interrupted, with the results so far kept.
-/// Collective. Throws UserError, SolverFailure.
+/// Runs the verb study: runs the rungs of a ladder in ascending order of predicted cost, and writes
+/// study.csv, study.json and a file for each rung into `out`. Rungs with results in `out` are not repeated.
+/// Afterwards searches for the scene's optimum with each of search_tolerances, and writes costs and remaining
+/// errors to search.csv. Does not start a rung or search that would exceed the budget. Returns the exit
+/// status: 130 if interrupted, with the results so far written. Throws UserError, SolverFailure. Collective.
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
               const Options& options, const Console& console);
 
-/// Proposes a size and step for a relative error below `tolerance`, of the one quantity that the options
-/// name, else of J. Starts from an estimate for the scene's own rung (study_trials()), runs the proposal, and
-/// reports whether its own estimate meets the tolerance. If not, repeats from there, a few times and within
-/// the options' budget, else ten minutes. Returns the exit status: 1 if the tolerance is not met. Collective.
-/// Throws UserError, SolverFailure, Interrupted.
+/// Runs the verb study with --suggest: proposes size and step for a relative error below `tolerance`, of the
+/// one quantity that `options` name, by default of J. Estimates the error on the scene's own rung
+/// (study_trials()), runs the proposal that follows, and reports whether the estimate there meets the
+/// tolerance. If not, repeats this from the proposal, within the budget (default: ten minutes). Returns the
+/// exit status: 1 if the tolerance is not met. Throws UserError, SolverFailure, Interrupted. Collective.
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console);
 

@@ -14,8 +14,9 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   Refinement refinement(*trials, tolerance, options.budget.value_or(usual_budget), elapsed, console);
   refinement.run(true);
   const TrialRun& found = *refinement.best();
-  console.line(fmt::format("{:g} in {} is {}: {}, {}, {:.2g} s; found in {:.2g} s", tolerance,
-                           trials->title(),
+  console.line(fmt::format("a relative error of {:g} in {} is {}: {}, {}, run time {:.2g} s; found in {:.2g} "
+                           "s",
+                           tolerance, trials->title(),
                            refinement.met()        ? "met by"
                            : found.warning.empty() ? "not met; the nearest is"
                                                    : "not verified (" + found.warning + "); the nearest is",

@@ -14,7 +14,7 @@ std::string shown(const std::optional<double>& error) {
   return error ? percent(*error, digits) : "-";
 }
 
-/// An order and its range, or "none" outside of the asymptotic range.
+/// Text of an order and its range; "none" outside of the asymptotic range.
 std::string shown(const std::optional<Order>& order) {
   if (!order)
     return "-";
@@ -23,30 +23,30 @@ std::string shown(const std::optional<Order>& order) {
                     : fmt::format("none ({:.1f} to {:.1f})", least, largest);
 }
 
-/// The error of J on the scene's own rung, by its estimate, else against the reference; empty if neither is
-/// known.
-std::optional<double> own_error(const std::vector<Errors>& errors, const std::vector<Result>& results,
+/// Relative error of J on the scene's own rung: the error estimate, else the error against the reference;
+/// absent if neither is known.
+std::optional<double> own_error(const std::vector<Errors>& errors, const std::vector<RungResult>& results,
                                 const scene::Scene& scene) {
   const auto J = std::ranges::find(errors, "J", [](const Errors& one) { return one.quantity.name; });
-  const auto own = std::ranges::find(results, own_rung(scene), &Result::rung);
+  const auto own = std::ranges::find(results, own_rung(scene), &RungResult::rung);
   if (J == errors.end() || own == results.end())
     return std::nullopt;
   const auto i = static_cast<std::size_t>(own - results.begin());
   return J->estimate[i] ? J->estimate[i] : J->error[i];
 }
 
-/// Reference of a quantity's errors, in words.
+/// Describes the reference against which a quantity's errors are taken.
 std::string against(const Errors& errors) {
   if (errors.exact)
     return "errors against the exact value";
-  return errors.bar ? fmt::format("errors against the finest rung, its {}", words(*errors.bar))
-                    : "errors against the finest rung, of whose own nothing is known";
+  return errors.bar ? fmt::format("errors against the finest rung ({})", words(*errors.bar))
+                    : "errors against the finest rung, whose own error is unknown";
 }
 
 } // namespace
 
 Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
-                 const std::vector<Result>& results, const std::vector<SearchCost>& searches,
+                 const std::vector<RungResult>& results, const std::vector<SearchCost>& searches,
                  const Exact& exact)
     : scene_(scene), results_(results), searches_(searches) {
   for (const Quantity& quantity : wanted) {
@@ -75,9 +75,10 @@ void Summary::show(const Console& console) const {
   show_rungs(console);
   for (const Errors& one : errors_)
     show_errors(one, console);
-  console.line("\nat most: the largest error there and at all finer rungs; * no cheaper rung has less");
-  if (std::ranges::any_of(results_, [](const Result& result) { return result.rung.graded; }))
-    console.line("~: sizes that vary with the error, as many elements as of that size");
+  console.line("\n\"at most\": largest error of this rung and all finer ones; *: no cheaper rung has a "
+               "smaller error");
+  if (std::ranges::any_of(results_, [](const RungResult& result) { return result.rung.graded; }))
+    console.line("~: graded mesh with as many elements as the uniform mesh of that size");
   show_orders(console);
   show_searches(console);
   show_warnings(console);
@@ -86,11 +87,11 @@ void Summary::show(const Console& console) const {
     console.line(sentence);
 }
 
-std::string Summary::size(const Result& result) {
+std::string Summary::size(const RungResult& result) {
   return fmt::format("{}{:.4g}", result.rung.graded ? "~" : "", result.rung.size);
 }
 
-std::string Summary::step(const Result& result) const {
+std::string Summary::step(const RungResult& result) const {
   const Rung& rung = result.rung;
   return rung.chooses_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
                               : fmt::format("{:.3g}", scene_.time.end / rung.steps);
@@ -112,7 +113,8 @@ void Summary::show_rungs(const Console& console) const {
 void Summary::show_searches(const Console& console) const {
   if (searches_.empty())
     return;
-  console.line(fmt::format("\nthe optimizer's accuracy at {}: sweeps, and J above the least found, relative",
+  console.line(fmt::format("\nthe optimizer's accuracy at {}: sweeps, and relative excess of J over the "
+                           "least found",
                            words(own_rung(scene_), scene_)));
   console.line(table(searches_));
 }
@@ -138,7 +140,7 @@ void Summary::show_warnings(const Console& console) const {
     one.rungs.pop_back();
     const std::string others =
         one.rungs.empty() ? ""
-                          : fmt::format(" (also rung{} {}: study.json)", one.rungs.size() == 1 ? "" : "s",
+                          : fmt::format(" (also rung{} {}; see study.json)", one.rungs.size() == 1 ? "" : "s",
                                         fmt::join(one.rungs, ", "));
     console.line(fmt::format("warning: rung {}: {}{}", last, one.message, others));
   }
@@ -148,7 +150,7 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
   console.line(fmt::format("\n{}{}: {}{}", quantity.title, unit, against(errors),
-                           quantity.limited ? "" : "; it need not converge"));
+                           quantity.limited ? "" : "; this quantity need not converge"));
   console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
@@ -186,26 +188,26 @@ void Summary::show_orders(const Console& console) const {
   }
   if (any)
     console.line(
-        "none: not in the asymptotic range; from rung to rung errors do not fall as the method's would");
+        "none: not in the asymptotic range; from rung to rung, errors do not fall as the method predicts");
 }
 
 namespace {
 
-/// Basis of a recommendation, in words.
+/// Describes the basis of a recommendation.
 std::string grounds(const Errors& errors, double envelope) {
-  std::string text = fmt::format("off by at most {} there and at all finer rungs", percent(envelope));
+  std::string text = fmt::format("error at most {} at this rung and all finer ones", percent(envelope));
   if (errors.bar)
     text += fmt::format("; finest rung: {}", words(*errors.bar));
   return text;
 }
 
-/// The rung with the smallest envelope, the cheapest one within a tolerance without a warning, and the
-/// cheapest one with a warning.
+/// Candidates for a recommendation: the rung with the smallest envelope, and the cheapest rungs within a
+/// tolerance, without and with a warning.
 struct Best {
   std::optional<std::size_t> nearest, cheapest, warned;
 };
 
-Best best(const Errors& errors, const std::vector<Result>& results, double tolerance) {
+Best best(const Errors& errors, const std::vector<RungResult>& results, double tolerance) {
   Best found;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const std::optional<double>& envelope = errors.envelope[i];
@@ -230,20 +232,20 @@ std::string percent(double value, int digits) { return fmt::format("{:.{}g} %", 
 std::string words(const ReferenceBar& bar) {
   std::string text = fmt::format("error bar {}", percent(bar.value));
   if (!bar.adjoint && !(bar.size && bar.step))
-    text += bar.size ? " of the size alone, steps not verified" : " of the step alone, sizes not verified";
+    text += bar.size ? " from the size only, steps not verified" : " from the step only, sizes not verified";
   return bar.asymptotic ? text : text + ", not in the asymptotic range";
 }
 
-std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results,
+std::vector<std::string> sentences(const Errors& errors, const std::vector<RungResult>& results,
                                    const scene::Scene& scene) {
   const std::string& title = errors.quantity.title;
   if (std::ranges::none_of(errors.error, [](const auto& error) { return error.has_value(); }))
     return {};
   if (!best(errors, results, 0).nearest)
-    return {fmt::format("nothing is recommended for {}: finer rungs have no number", title)};
+    return {fmt::format("no recommendation for {}: the finer rungs have no value", title)};
   if (!errors.exact && !errors.bar)
     return {fmt::format(
-        "nothing is recommended for {}: an error bar of the finest rung needs a second size or step", title)};
+        "no recommendation for {}: the error bar of the finest rung needs a second size or step", title)};
   const double bar = errors.bar ? errors.bar->value : 0;
   std::vector<std::string> texts;
   for (double target : {0.1, 0.05, 0.01, 0.001}) {
@@ -255,15 +257,15 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
       continue;
     }
     if (warned) {
-      texts.push_back(fmt::format("{} % in {} is not verified: {} ({}), but {}", 100 * target, title,
-                                  words(results[*warned].rung, scene),
+      texts.push_back(fmt::format("{} % in {} is not verified: {} ({}) has a warning: {}", 100 * target,
+                                  title, words(results[*warned].rung, scene),
                                   grounds(errors, *errors.envelope[*warned]),
                                   results[*warned].measured->warning(errors.quantity)));
       continue;
     }
     const double reach = *errors.envelope[*nearest] + bar;
-    texts.push_back(fmt::format("{} % in {} is out of this ladder's reach: its best is {}{}", 100 * target,
-                                title, percent(reach),
+    texts.push_back(fmt::format("{} % in {} is not reached by any rung of this study; the best is {}{}",
+                                100 * target, title, percent(reach),
                                 errors.bar ? fmt::format(" (finest rung: {})", words(*errors.bar)) : ""));
     break;
   }

@@ -6,22 +6,25 @@
 
 namespace signorini::accuracy {
 
-/// Results of the rungs that have run, as files and on the console, in tables of at most 80 columns. Used on
-/// rank 0.
+/// Writes and prints the results of a study's rungs that have run; tables on the console have at most 80
+/// columns. Used on rank 0.
 class Summary {
 public:
-  /// The references must outlive this object.
-  Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results,
-          const std::vector<SearchCost>& searches, const Exact& exact);
+  /// Computes errors, orders and sentences from the results. The references must outlive this object.
+  Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
+          const std::vector<RungResult>& results, const std::vector<SearchCost>& searches,
+          const Exact& exact);
 
+  /// Writes the results into the folder of the study.
   void write(const RungCache& store) const;
+  /// Prints the results.
   void show(const Console& console) const;
 
 private:
-  /// Size of a rung as text; "~" marks sizes that vary.
-  [[nodiscard]] static std::string size(const Result& result);
-  /// The length of a rung's steps, or the tolerance by which they were chosen.
-  [[nodiscard]] std::string step(const Result& result) const;
+  /// Text of a rung's size; "~" marks graded meshes.
+  [[nodiscard]] static std::string size(const RungResult& result);
+  /// Text of the length of a rung's steps or, for steps of varying length, of their tolerance.
+  [[nodiscard]] std::string step(const RungResult& result) const;
   void show_rungs(const Console& console) const;
   void show_warnings(const Console& console) const;
   void show_errors(const Errors& errors, const Console& console) const;
@@ -29,7 +32,7 @@ private:
   void show_searches(const Console& console) const;
 
   const scene::Scene& scene_;
-  const std::vector<Result>& results_;
+  const std::vector<RungResult>& results_;
   const std::vector<SearchCost>& searches_;
   std::vector<Errors> errors_;
   std::vector<Orders> orders_;

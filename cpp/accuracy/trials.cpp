@@ -13,10 +13,10 @@
 namespace signorini::accuracy {
 namespace {
 
-/// Common part of the trials with either kind of estimate.
+/// Common base of trial runs with the adjoint estimate and with error bars.
 class MeasuredTrials : public TrialRuns {
 public:
-  MeasuredTrials(MPI_Comm comm, const scene::Scene& scene, Samples samples, Quantity quantity,
+  MeasuredTrials(MPI_Comm comm, const scene::Scene& scene, SamplePoints samples, Quantity quantity,
                  const Console& console, KeepTrial keep)
       : comm_(comm), scene_(scene), samples_(std::move(samples)), quantity_(std::move(quantity)),
         console_(console), keep_(std::move(keep)) {}
@@ -41,7 +41,7 @@ public:
     const Measured own = known(trial.rung), finer = known(trial.rung.with_steps(half));
     const std::optional<double> apart = distance(quantity_, own, finer);
     trial.time = std::max(trial.time, of_difference * apart.value_or(1));
-    trial.grounds += fmt::format(", {} from steps of half the length", percent(apart.value_or(1)));
+    trial.grounds += fmt::format(", changes by {} with steps of half the length", percent(apart.value_or(1)));
     trial.warning = own.warning(quantity_);
     console_.line(fmt::format("{}: {}{}", words(trial.rung), trial.grounds,
                               trial.warning.empty() ? "" : "; not verified: " + trial.warning));
@@ -53,20 +53,20 @@ public:
   }
 
 protected:
-  /// All rungs that have to run for the estimate of a rung.
+  /// Rungs that have to run to estimate the error of a rung, including the rung itself.
   [[nodiscard]] virtual std::vector<Rung> runs(const Rung& rung) const = 0;
-  /// Measurements of a rung; runs it unless they are stored.
+  /// Measurements of a rung, which is run unless its measurements are stored.
   virtual Measured known(const Rung& rung) = 0;
 
   MPI_Comm comm_;
   const scene::Scene& scene_;
-  Samples samples_;
+  SamplePoints samples_;
   Quantity quantity_;
   const Console& console_;
   KeepTrial keep_;
 
 private:
-  /// Predicts the costs of the rungs that a refinement may come to.
+  /// Predicts the costs of the rungs that a refinement may reach.
   [[nodiscard]] RungCosts price() const {
     std::vector<Rung> rungs;
     for (const std::optional<Rung>& one : {std::optional(beginnings().front()), other_degree()})
@@ -103,14 +103,15 @@ public:
     const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
                                        parts.desired / J};
     const double error = most(relative), time = std::abs(relative.time) / relative.sum_of_moduli() * error;
-    console_.line(fmt::format("{}: J {:.6e}, estimated error at most {:.2e} ({}), {} unknowns, {:.2g} s",
+    console_.line(fmt::format("{}: J {:.6e}, estimated relative error at most {:.2e} ({}), {} unknowns, "
+                              "{:.2g} s",
                               words(rung), value, error, listed(relative), measured.unknowns,
                               measured.seconds));
     return {.rung = rung,
             .space = error - time,
             .time = time,
             .seconds = measured.seconds,
-            .grounds = fmt::format("by their own estimate at most {:.2e}", error)};
+            .grounds = fmt::format("estimated relative error at most {:.2e}", error)};
   }
 
 private:
@@ -141,7 +142,7 @@ public:
     return raised;
   }
 
-  /// The nearest rung for which steps of twice and four times the length exist.
+  /// The rung nearest to `rung` for which rungs with steps of twice and four times the length exist.
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
     Rung next = rung;
     if (rung.chooses_steps())
@@ -152,7 +153,7 @@ public:
   }
 
   TrialRun run(const Rung& rung) override {
-    std::vector<Result> results;
+    std::vector<RungResult> results;
     for (const Rung& one : runs(rung))
       results.push_back({one, known(one)});
     const std::optional<ReferenceBar> bar = errors(quantity_, results, {}).bar;
@@ -161,7 +162,7 @@ public:
     const double space = bar && bar->size ? *bar->size : nothing,
                  time = bar && bar->step ? *bar->step : nothing;
     const std::string found = value(measured);
-    const std::string grounds = fmt::format("{}error bar {} (of the size {}, of the step {}{})", found,
+    const std::string grounds = fmt::format("{}error bar {} (from the size {}, from the step {}{})", found,
                                             percent(space + time), percent(space), percent(time),
                                             bar && bar->asymptotic ? "" : "; not in the asymptotic range");
     console_.line(fmt::format("{}: {}, {} unknowns, {:.2g} s", words(rung), grounds, measured.unknowns,
@@ -199,7 +200,7 @@ private:
   std::map<Rung, Measured> measured_;
 };
 
-/// The requested quantity, or J by default. Throws UserError.
+/// The requested quantity; J if none is requested. Throws UserError unless exactly one is selected.
 Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>& names, int dim,
                       const char* option) {
   std::vector<std::string> allowed;
@@ -220,7 +221,7 @@ void require_size(const scene::Scene& scene, const Quantity& quantity, const cha
   if (scene.mesh.meshed())
     throw UserError(fmt::format("{}: found a .msh, which is meshed already; use a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
-    throw UserError(fmt::format("{}: found mesh.degree = {}; set it to 1, since the estimate in space "
+    throw UserError(fmt::format("{}: found mesh.degree = {}; set it to 1, since the error estimate in space "
                                 "compares degree 1 with degree 2",
                                 option, scene.mesh.degree));
 }
@@ -232,7 +233,7 @@ std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene
                                         const Console& console, KeepTrial keep) {
   require_size(scene, the_quantity(scene, names, 2, option), option);
   require_answer(comm, scene);
-  Samples samples(comm, scene);
+  SamplePoints samples(comm, scene);
   Quantity quantity = the_quantity(scene, names, samples.dim, option);
   if (quantity.name == "J")
     return std::make_unique<AdjointTrials>(comm, scene, std::move(samples), std::move(quantity), console,

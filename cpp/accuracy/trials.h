@@ -6,14 +6,15 @@
 
 namespace signorini::accuracy {
 
-/// Callback for a run that is better than all before.
+/// Callback that stores a run which is better than all before.
 using KeepTrial = std::function<void(const TrialRun&)>;
 
-/// Trial runs of J or of the one quantity in `names`, which the command line requested by `option`. The error
-/// of J is the adjoint's estimate from the run itself. That of another quantity is the error bar of a rung
-/// beside four coarser ones, with twice and four times its size and its step. These together take about as
-/// long as the rung. With `keep`, a coarse rung whose error is not known is kept first. `scene` must outlive
-/// the result. Collective. Throws UserError.
+/// Makes trial runs for the error of the one quantity in `names`, by default J. The error of J is the adjoint
+/// estimate from the run itself. The error of another quantity is the error bar from the rung and four
+/// coarser rungs, with twice and four times its size or its step; these four together take about as long as
+/// the rung. `option`: option of the command line, for messages. `keep`: callback for better runs; if given,
+/// it first gets a coarse rung whose error is not estimated. Throws UserError. Collective. `scene` must
+/// outlive the result.
 std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene,
                                         const std::vector<std::string>& names, const char* option,
                                         const Console& console, KeepTrial keep = {});

@@ -7,12 +7,13 @@
 
 namespace signorini::adjoint {
 
-/// The body in functions of degree 2 on the mesh of a run of degree 1. These are sums of functions of degree
-/// 1 and bubbles: functions that vanish at the vertices, one for each edge and component.
+/// Body of a run of degree 1, discretised in functions of degree 2 on the same mesh. These are sums of
+/// functions of degree 1 and bubbles. A bubble vanishes at the vertices; there is one for each edge and
+/// component.
 class EnrichedBody {
 public:
-  /// `linear` is the run's space and `pairs` its contact, null without. Collective. The references must
-  /// outlive this object. Throws UserError.
+  /// `linear`: the run's space; `pairs`: its contact candidates, null without contact. Collective. The
+  /// references must outlive this object. Throws UserError.
   EnrichedBody(const fem::Space& linear, const contact::ContactPairs* pairs, const scene::Scene& scene);
   EnrichedBody(const EnrichedBody&) = delete;
   EnrichedBody& operator=(const EnrichedBody&) = delete;
@@ -20,26 +21,28 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
 
-  /// Writes y of degree 1 as a function of degree 2. Collective.
+  /// Sets `out` to the field y of degree 1, written in the basis of degree 2. Collective.
   void embed(Vec y, Vec out) const;
 
-  /// The interpolation of a field at time t (s) in degree 2 less that in the run's space, a combination of
-  /// bubbles. Collective. Throws UserError as fem::Space::interpolate does.
+  /// Sets `out` to the interpolation of a field at time t (s) in degree 2, minus its interpolation in the
+  /// run's space. This is a combination of bubbles. Collective. Throws UserError as fem::Space::interpolate
+  /// does.
   void interpolation_error(const scene::Field& field, double t, Vec out) const;
 
-  /// interpolation_error() of the scene's initial displacement and velocity; null where it has none.
+  /// Interpolation errors (interpolation_error()) of the scene's initial displacement y and velocity v; null
+  /// for a field that the scene does not have.
   struct InitialError {
     petsc::Vector y, v;
   };
   [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
 
-  /// Modulus of the sum of x over the bubbles of each edge, shared equally by the cells at the edge: one
-  /// number for each owned cell. Collective.
+  /// Distributes x over the cells: for each edge, the modulus of the sum of x over its bubbles is shared
+  /// equally by the cells at the edge. Returns one number for each owned cell. Collective.
   [[nodiscard]] std::vector<double> by_cells(Vec x) const;
 
-  /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move. It is
-  /// then zero at vertices and clamped dofs and, along ν, in the middle of edges whose ends are both active
-  /// against the same obstacle. Collective.
+  /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move.
+  /// Afterwards x is zero at vertices and on clamped dofs. It is zero along ν in the middle of an edge whose
+  /// ends are both `active` against the same obstacle. Collective.
   void keep_bubbles(const contact::ActiveSet& active, Vec x) const;
 
 private:
@@ -51,24 +54,23 @@ private:
   fem::Operators operators_;
   fem::DirichletDofs clamped_;
   petsc::Matrix embed_;
-  std::vector<int> vertices_; ///< owned nodes, local numbers
+  std::vector<int> vertices_; ///< vertices among the owned nodes, local numbers
   std::optional<contact::ContactPairs> pairs_;
   std::vector<std::array<int, 2>>
-      ends_; ///< for each candidate here the run's candidates at the ends of its edge, or −1
+      ends_; ///< for each candidate of pairs_: the run's candidates at the ends of its edge, or −1
   std::vector<double> zero_;
   InitialError initial_error_;
 };
 
-/// The adjoint states p_k of a run and ω_k, at steps k and k + 1, for k from N down. M ω_k is the derivative
-/// by v_k of the part of J after t_k (docs/method.md section 4):
+/// Adjoint states p and ω of a run at the steps k and k + 1, for k from N down. M ω_k is the derivative by
+/// v_k of the part of J after t_k (docs/method.md section 4):
 ///     ω_N = 0,   ω_{k−1} = τ_k p_k − ω_k;   contact-stabilized steps add τ_k (Π_k − 1)(p_k − 2/τ_k ω_k)
 class Duals {
 public:
-  /// `grid`: of the motion. `stepper` must outlive this object. Collective.
+  /// `grid`: time grid of the motion. `stepper` must outlive this object. Collective.
   Duals(const step::Stepper& stepper, const step::TimeGrid& grid);
 
-  /// Moves from step k + 1 to k, with p_k in `p`. `later` is the contact of step k + 1, null at N.
-  /// Collective.
+  /// Moves from step k + 1 to step k. `p`: p_k; `later`: contact of step k + 1, null for k = N. Collective.
   void move(int k, Vec p, const contact::ContactLinearisation* later);
 
   petsc::Vector p, p_later, velocity, velocity_later; ///< p_k, p_{k+1}, ω_k, ω_{k+1}
@@ -80,37 +82,40 @@ private:
   std::optional<step::PredictorProjection::Workspace> predictor_;
 };
 
-/// The bubble part of the enriched body's adjoint states: π = τ_k/2 p_k is the dual of a force per time, with
-/// bubbles β_k at t_k. The run's duals leave there, between steps k and k + 1, the residual
+/// Bubble part of the adjoint states of the enriched body. π = τ_k/2 p_k is the dual of a force per time; β_k
+/// is its bubble part at t_k. Between steps k and k + 1, the run's adjoint states satisfy the enriched body's
+/// adjoint equation up to the residual
 ///     ρ_k = ∂J/∂y_k + M ((1/τ_{k+1} + 2/τ_k) ω_k − 1/τ_{k+1} ω_{k+1} − p_k) + B (τ_{k+1}/2 p_{k+1} − τ_k/2
 ///     p_k)
 ///           − A (τ_k²/4 p_k + τ_{k+1}²/4 p_{k+1})
 /// which is zero on V where nothing is in contact. The bubbles solve
 ///     ((τ_k + τ_{k+1})/2 A + B) β_k = ρ_k + B β_{k+1}
-/// without inertia: they are far stiffer than the waves that the mesh can resolve. Conjugate gradients,
-/// preconditioned by the diagonal, take a few iterations on any mesh, since only neighbouring bubbles are
-/// coupled (hierarchical error estimate, Bank and Smith 1993; docs/method.md section 7).
+/// without inertia, since bubbles are far stiffer than the waves that the mesh can resolve. Conjugate
+/// gradients with a diagonal preconditioner take a few iterations on any mesh, since only neighbouring
+/// bubbles are coupled (hierarchical error estimate, Bank and Smith 1993; docs/method.md section 7).
 class DualBubbles {
 public:
-  /// `derivative` is ∂J/∂y_k on the enriched body. Collective. The references must outlive
-  /// this object.
+  /// `derivative`: ∂J/∂y_k on the enriched body; `grid`: time grid of the motion. Collective. The references
+  /// must outlive this object.
   DualBubbles(const EnrichedBody& body, const step::DualAtStep& derivative, const step::TimeGrid& grid);
 
-  /// Computes β_k on the active set of step k, for k from N − 1 down. Valid until the next call. Collective.
-  /// Throws SolverFailure.
+  /// Computes and returns β_k on the active set `active` of step k; to be called for k from N − 1 down. Valid
+  /// until the next call. Collective. Throws SolverFailure.
   Vec next(int k, const Duals& duals, const contact::ActiveSet& active);
 
-  /// β_k of the last call of next(); zero before the first.
+  /// Returns β_k of the last call of next(); zero before the first call.
   [[nodiscard]] Vec last() const { return b_; }
 
 private:
+  /// Sets left_ to the right-hand side ρ_k + B β_{k+1}.
   void residual(int k, const Duals& duals);
+  /// Adds factor · matrix · coarse_ to left_, with coarse_ written in degree 2.
   void add(Mat matrix, double factor);
-  /// Sets the mean length of the two steps that meet at t_k.
+  /// Sets the mean length (s) of the two steps that meet at t_k, and the preconditioner for it.
   void set_length(double mean);
-  /// out = (τ A + B) x, τ the mean length, restricted to the bubbles that are free to move.
+  /// Sets out = (τ A + B) x, τ the mean length of two steps, restricted to the bubbles that are free to move.
   void apply(Vec x, const contact::ActiveSet& active, Vec out);
-  /// Sets z = residual / diagonal, restricted to these bubbles; returns z · residual.
+  /// Sets z_ = left_ / diagonal_, restricted to the bubbles that are free to move; returns z_·left_.
   double precondition(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;

@@ -13,7 +13,7 @@ namespace {
 
 long& sweeps = count("adjoint sweeps");
 
-/// The data of a motion that a sweep needs.
+/// Data of a motion for a backward sweep.
 struct Motion {
   const step::Stepper& stepper;
   const step::TimeGrid& grid;
@@ -25,14 +25,14 @@ struct Motion {
   [[nodiscard]] std::optional<step::StepContact> after(int k) const {
     return k < steps() ? std::optional(made(k + 1)) : std::nullopt;
   }
-  /// Whether the predictor of step k is projected.
+  /// Returns whether step k moved its predictor by the projection.
   [[nodiscard]] bool projected(int k) const {
     return stepper.predictor() && k <= steps() && !at(k).predictor.empty();
   }
 };
 
-/// The derivatives of J by velocities and forces. The dual of v_k is M ω_k + e_k: the dependence of J on
-/// velocities enters through e_k, so that no system with M is solved.
+/// Terms of the transposed steps due to derivatives of J by velocities and forces. The dual of v_k is M ω_k +
+/// e_k. The derivatives of J by velocities enter e_k, so that no system with M is solved.
 class FunctionalTerms {
 public:
   FunctionalTerms(const Motion& motion, const VelocityForceDuals& duals)
@@ -43,7 +43,7 @@ public:
       force_ = motion.stepper.space().vector();
   }
 
-  /// Adds the contribution of velocities to ∂J/∂y_k; computes e_k from e_{k+1}.
+  /// Computes e_k from e_{k+1}, and adds the contribution of velocities to ∂J/∂y_k in `dual`.
   void add_to(int k, const step::StateDual& dual) {
     if (duals_.of_forces() && k > 0)
       duals_.forces(k, normal_);
@@ -61,8 +61,8 @@ public:
     duals_.add_velocities(factors_, dual.vector);
   }
 
-  /// Data of the transposed projection of step k + 1: it acts on M s_{k+1} and the force −rate() e_{k+1}.
-  /// Null if that predictor is not projected.
+  /// Returns the data of the transposed projection of step k + 1, which acts on M s_{k+1} and the force
+  /// −rate() e_{k+1}. Null if the predictor of step k + 1 is not projected.
   const step::PredictorProjection::Data* projection(int k) {
     if (!motion_.projected(k + 1))
       return nullptr;
@@ -78,7 +78,7 @@ public:
     return &projection_;
   }
 
-  /// The adjoint step k, given these terms.
+  /// Returns transposed step k with the terms of velocities and forces.
   step::AdjointStep step(int k, step::StateDual dual, step::AdjointState& state) {
     add_to(k, dual);
     if (k == 0)
@@ -87,22 +87,23 @@ public:
   }
 
   [[nodiscard]] const VelocityForceDuals& duals() const { return duals_; }
-  /// Multipliers of the step and of the projection (rows).
+  /// Returns the multipliers μ of the last transposed step (rows).
   [[nodiscard]] std::span<const double> mu() const { return mu_; }
+  /// Returns the multipliers ζ of the last transposed projection (rows).
   [[nodiscard]] std::span<const double> zeta() const { return zeta_; }
-  /// Adds the dual of the initial velocities, less M ω_0.
+  /// Adds e_0, the dual of the initial velocities without M ω_0, to `dual`.
   void add_start(Vec dual) const { duals_.add_velocities(e_, dual); }
 
 private:
   const Motion& motion_;
   const VelocityForceDuals& duals_;
   std::vector<double> normal_, zero_, mu_, zeta_; ///< normal_: ∂J/∂λ_k
-  std::vector<double> e_, e_next_, factors_;      ///< e_k, e_{k+1} by functionals of velocities
+  std::vector<double> e_, e_next_, factors_;      ///< coefficients of e_k and e_{k+1} in the functionals
   petsc::Vector force_{};
   step::PredictorProjection::Data projection_;
 };
 
-/// dJ/dθ, gathered along the sweep.
+/// Sums up dJ/dθ along a backward sweep.
 class ParameterGradient {
 public:
   ParameterGradient(const Motion& motion, const FunctionalTerms& terms, const trajectory::Trajectory& states,
@@ -119,7 +120,8 @@ public:
       check(VecWAXPY(s_, -motion_.grid.scheme(k + 1).rate(), state.omega, state.p_next));
   }
 
-  /// Adds the part of the predictor of step k + 1, to which rates_ refer: z·r_j + ζ·e_j, z = s + jump.
+  /// Adds the part of the projected predictor of step k + 1, z·r_j + ζ·e_j with z = s + jump. rates_ must
+  /// refer to step k + 1.
   void add_predictor(int k, Vec jump) {
     if (!jump)
       return;
@@ -147,7 +149,7 @@ public:
     }
   }
 
-  /// Adds the part of the initial state, whose duals are in `state`, and returns the gradient.
+  /// Adds the part of the initial state, with the duals in `state`, and returns the gradient.
   std::vector<double> finish(const step::AdjointState& state) {
     check(MatMult(motion_.stepper.M(), state.omega, r_));
     terms_.add_start(r_);
@@ -171,7 +173,8 @@ private:
   std::vector<double> gradient_;
 };
 
-/// Makes the adjoint steps N … 1: `step(k, state)` describes one, `made(k, state, jump)` receives it.
+/// Makes the transposed steps N … 1. `step(k, state)` returns a step's data; `made(k, state, jump)` is called
+/// after the step.
 template <class Step, class Made>
 step::AdjointState backward(const Motion& motion, step::Stepper::Workspace& work, Step&& step, Made&& made) {
   ++sweeps;

@@ -7,38 +7,43 @@
 
 namespace signorini::adjoint {
 
-/// Derivatives of a function J of a motion by its velocities and contact forces. All members collective.
+/// Derivatives of a function J of a motion by the velocities v_k and the contact multipliers λ_k. All members
+/// are collective.
 class VelocityForceDuals {
 public:
   virtual ~VelocityForceDuals() = default;
-  /// Number of functionals that form ∂J/∂v_k, the same for all k. velocity_factors() sets their factors,
-  /// add_velocities() adds Σ factors · functionals to `sum`.
+  /// Returns the number of functionals φ_i of which ∂J/∂v_k = Σ_i factor_i φ_i consists; they are the same
+  /// for all k.
   [[nodiscard]] virtual std::size_t velocities() const = 0;
+  /// Sets the factors of the functionals φ_i in ∂J/∂v_k.
   virtual void velocity_factors(int k, std::span<double> factors) const = 0;
+  /// Adds Σ_i factors_i φ_i to `sum`, φ_i being the functionals of which ∂J/∂v_k consists.
   virtual void add_velocities(std::span<const double> factors, Vec sum) const = 0;
-  /// Whether any ∂J/∂λ_k is not zero.
+  /// Returns whether any derivative ∂J/∂λ_k differs from zero.
   [[nodiscard]] virtual bool of_forces() const = 0;
-  /// Sets ∂J/∂λ_k (m), k = 1…N.
+  /// Sets `dual` to ∂J/∂λ_k (rows, m), k = 1…N.
   virtual void forces(int k, std::span<double> dual) const = 0;
-  /// Change of J as the rows of constraints change by `rate`, for the multipliers of step k.
+  /// Returns the change of J as the constraint rows change by `rate`, with the multipliers of step k in
+  /// `contact`.
   [[nodiscard]] virtual double by_rows(int k, const contact::ContactLinearisation& contact,
                                        const contact::ConstraintRows& rate) const = 0;
 };
 
-/// Receives the adjoint states p_N … p_1, each valid during the call.
+/// Function that receives the adjoint states p_N … p_1 in this order; `p` is valid only during the call.
 using AdjointObserver = std::function<void(int k, Vec p)>;
 
-/// The backward sweep p_N … p_1 (4.40)–(4.41), docs/method.md section 4, of a J that depends on displacements
-/// alone. Makes for each step of a motion the adjoint step on its whole active set A_k, given by `contact`
-/// (0…N); `grid` has these N steps. `by_displacements` is ∂J/∂y_k. Collective. Throws SolverFailure naming
-/// the step.
+/// Computes the adjoint states p_N … p_1 by a backward sweep (4.40)–(4.41) (docs/method.md section 4), for a
+/// J that depends on displacements alone, and passes them to `visit`. Each transposed step is taken on the
+/// whole active set A_k in `contact` (0…N); `grid` has these N steps. `by_displacements`: ∂J/∂y_k.
+/// Collective. Throws SolverFailure naming the step.
 void sweep(const step::Stepper& stepper, step::Stepper::Workspace& work, const step::TimeGrid& grid,
            const std::vector<contact::ContactLinearisation>& contact,
            const step::DualAtStep& by_displacements, const AdjointObserver& visit);
 
-/// The backward sweep along a motion that has whole states, of a J of velocities and forces too. Returns
-/// dJ/dθ for all unknowns θ at once (docs/method.md section 9). Both derivatives are taken at fixed unknowns;
-/// `by_displacements` must have a vector part where J depends on velocities.
+/// Computes dJ/dθ for all unknowns θ of a scene by one backward sweep (docs/method.md section 9), for a J
+/// that also depends on velocities and forces. `motion` must store whole states. `by_displacements` and
+/// `duals`: derivatives of J at fixed unknowns; the former must have a vector part if J depends on
+/// velocities. Passes p_N … p_1 to `visit`, if given. Collective. Throws SolverFailure naming the step.
 std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace& work,
                           const trajectory::Trajectory& motion, const step::DualAtStep& by_displacements,
                           const VelocityForceDuals& duals, step::ParameterRates& rates,

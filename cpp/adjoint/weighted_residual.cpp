@@ -11,7 +11,7 @@ using petsc::check, petsc::dot;
 
 namespace {
 
-/// The states of a motion at t_{k+1}, t_k and t_{k−1}, for k from N down.
+/// States of a motion at t_{k+1}, t_k and t_{k−1}, for k from N down.
 class Window {
 public:
   Window(const step::Stepper& stepper, const trajectory::Trajectory& trajectory)
@@ -32,7 +32,7 @@ private:
   const trajectory::Trajectory& trajectory_;
 };
 
-/// The residual r_k of the equation of motion in functions of degree 2; see weighted_residual().
+/// Residual r_k of the equation of motion in functions of degree 2; see weighted_residual().
 class Residual {
 public:
   Residual(const EnrichedBody& body, const Window& motion, const step::ForceAtStep& load,
@@ -52,7 +52,7 @@ public:
   }
 
 private:
-  /// sum −= matrix (a x + b y)
+  /// Subtracts matrix (a x + b y) from sum_, the fields being written in degree 2.
   void subtract(Mat matrix, double a, Vec x, double b, Vec y) {
     petsc::combine(coarse_, a, x, b, y);
     body_.embed(coarse_, fine_);
@@ -67,7 +67,7 @@ private:
   petsc::Vector coarse_, fine_, sum_, product_;
 };
 
-/// The time part, summed over t_k from k = N down.
+/// Time part of the error, summed over t_k from k = N down.
 class TimePart {
 public:
   TimePart(const step::Stepper& stepper, const Window& motion, const Weighted& run)
@@ -77,7 +77,7 @@ public:
       *x = stepper.space().vector();
   }
 
-  /// Takes p_k after p_{k+1}.
+  /// Adds the terms of p_k; to be called for k from N down.
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
     std::swap(now_, later_);
@@ -94,14 +94,14 @@ public:
   [[nodiscard]] double sum() const { return sum_; }
 
 private:
-  /// x·matrix·moves
+  /// Returns x·matrix·moves_ on the free dofs.
   double weighed(Vec x, Mat matrix) {
     check(MatMult(matrix, moves_, product_));
     stepper_.clamped().clear(product_);
     return dot(x, product_);
   }
 
-  /// Adds the time from T back to the middle of step N, over which π falls by half.
+  /// Adds the interval from the end T back to the middle of step N, over which π falls by half.
   void end() {
     const double tau = grid_.length(steps_);
     check(VecAXPBY(change_, -0.5, 0, now_));
@@ -109,7 +109,7 @@ private:
     sum_ -= tau * tau / 6 * weighed(change_, stepper_.operators().A);
   }
 
-  /// Adds the time from the middle of step k + 1 back to that of step k.
+  /// Adds the interval from the middle of step k + 1 back to that of step k.
   void interface(int k) {
     const fem::Operators& body = stepper_.operators();
     const double tau = grid_.length(k), tau_later = grid_.length(k + 1), between = (tau + tau_later) / 2;
@@ -130,7 +130,7 @@ private:
     sum_ += squared / (12 * between) * dot(change_, moves_);
   }
 
-  /// π(t_k) from the middles of the steps beside it.
+  /// Returns π(t_k), interpolated from the middles of the steps before and after t_k.
   Vec at_end(double tau, double tau_later) {
     if (!end_)
       end_ = stepper_.space().vector();
@@ -138,7 +138,7 @@ private:
     return end_;
   }
 
-  /// Adds the time from the middle of step 1 back to 0, with π' of t_1, and the brackets there.
+  /// Adds the interval from the middle of step 1 back to 0, with the π' of t_1, and the bracket at 0.
   void start() {
     const Mat A = stepper_.operators().A;
     const double tau = grid_.length(1);
@@ -162,7 +162,7 @@ private:
   petsc::Vector force_, force_later_, moves_, product_, end_;
 };
 
-/// The parts of space and initial data, summed from step N down.
+/// Parts of the error from space and initial data, summed from step N down.
 class SpacePart {
 public:
   SpacePart(const step::Stepper& stepper, const EnrichedBody& body, const Window& motion, const Weighted& run,
@@ -176,7 +176,7 @@ public:
       x = body.space().vector();
   }
 
-  /// Takes p_k after p_{k+1}.
+  /// Adds the space terms of p_k; to be called for k from N down.
   void take(int k, Vec p) {
     const auto i = static_cast<std::size_t>(k);
     duals_.move(k, p, k < steps_ ? &contact_[i + 1] : nullptr);
@@ -205,7 +205,7 @@ public:
 
   [[nodiscard]] double space() const { return space_; }
 
-  /// The part of initial data; to be called after take(1, p_1).
+  /// Returns the part of initial data; to be called after take(1, p_1).
   double initial() {
     check(VecZeroEntries(coarse_));
     duals_.move(0, coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
@@ -227,8 +227,8 @@ public:
 private:
   void make_room() { std::rotate(between_.begin(), between_.end() - 1, between_.end()); }
 
-  /// Weights the residuals around the time of the last bubbles with these, as a mean over three times: in
-  /// contact they alternate from step to step, as forces do.
+  /// Adds the product of the last bubbles with the residuals around their time. The residuals are averaged
+  /// over three times, since in contact they alternate from step to step, as forces do.
   void weigh_last() {
     petsc::combine(mean_, 0.25, between_[0], 0.5, between_[1]);
     check(VecAXPY(mean_, 0.25, between_[2]));
@@ -239,7 +239,8 @@ private:
     check(VecAXPY(by_nodes_, 1, product_));
   }
 
-  /// error·matrix (dual + factor β); ω has β itself, since ω = τ/2 p to leading order in τ.
+  /// Returns error·matrix (dual + factor β). For ω the factor of β is 1, since ω = τ/2 p to leading order in
+  /// τ.
   double weighed(Mat matrix, Vec dual, double factor, Vec error) {
     body_.embed(dual, dual_);
     check(VecAXPY(dual_, factor, bubbles_.last()));
@@ -257,7 +258,7 @@ private:
   Residual residual_;
   double space_ = 0;
   petsc::Vector later_, dual_, product_, coarse_, mean_, last_;
-  /// τ r about t_k, t_{k+1} and t_{k+2}, each a mean over the steps that meet there.
+  /// Values of τ r around t_k, t_{k+1} and t_{k+2}, each a mean over the two steps that meet there.
   std::array<petsc::Vector, 3> between_;
 };
 

@@ -8,7 +8,7 @@
 namespace signorini::app {
 namespace {
 
-/// Choices of a key that takes one of a few words, as the reference quotes them; else empty.
+/// Admissible values of a key whose value is one of a few words, as quoted in the key reference; else empty.
 std::vector<std::string> choices(const scene::KeyLine& key) {
   if (key.value.starts_with("`true`"))
     return {"true", "false"};

@@ -5,14 +5,14 @@
 
 namespace signorini::app {
 
-/// A verb of the command line with its options, such as --out.
+/// A verb of the command line and the names of its options, such as --out.
 struct VerbOptions {
   std::string verb;
   std::vector<std::string> options;
 };
 
-/// Returns a script with which bash completes verbs, options, folders, scenes, the keys of --set and their
-/// choices.
+/// Returns a bash script that completes verbs, options, folders, scenes, the keys of --set and the values of
+/// these keys.
 std::string bash_completion(const std::vector<VerbOptions>& verbs);
 
 } // namespace signorini::app

@@ -19,17 +19,17 @@
 namespace signorini::app {
 namespace {
 
-/// Cost of an effect: matrices, memory and work in a step.
+/// Cost of an effect: matrices, memory, and work per step.
 struct Cost {
   std::string matrices{};
-  double bytes = 0; ///< memory of the matrices and of vectors
+  double bytes = 0; ///< memory of the matrices and vectors
   std::string step{};
 };
 
 std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e6); }
 
-/// Memory of the states and active sets that an optimisation keeps, on all ranks, bytes; the sets at their
-/// upper bound, with every candidate active throughout. Adjoint states are not kept.
+/// Memory of the states and active sets that an optimisation keeps, summed over the ranks, bytes. Active sets
+/// count with every candidate active in all steps, their upper bound. Adjoint states are not kept.
 double motions_bytes(const problem::Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const scene::Trajectory& kept = problem.scene.trajectory;
@@ -47,7 +47,7 @@ double motions_bytes(const problem::Problem& problem) {
   return in_memory + (computed ? 3 : 2) * contact;
 }
 
-/// The steps or disk space that the storage of states adds to a gradient, in words.
+/// Describes the recomputed steps or the disk space that storing the states adds to a gradient.
 std::string again(const problem::Problem& problem) {
   const scene::Trajectory& kept = problem.scene.trajectory;
   if (kept.storage == scene::Storage::memory)
@@ -55,19 +55,19 @@ std::string again(const problem::Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const trajectory::StateStoreFactory storage = problem::state_stores(problem);
   if (kept.storage == scene::Storage::disk)
-    return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
+    return fmt::format(" (states on disk: {} for each motion)", megabytes(storage.bytes()));
   const int slots =
       static_cast<int>(std::lround(storage.bytes() / trajectory::Checkpoint::bytes(problem.stepper)));
   const double made = static_cast<double>(trajectory::steps_made(problem.steps(), slots));
-  return fmt::format(", and {:.2f} steps recomputed{} ({} checkpoints)", made / problem.steps() - 1,
-                     computed ? " of either motion" : "", slots);
+  return fmt::format(", and {:.2f} recomputed steps{} ({} checkpoints)", made / problem.steps() - 1,
+                     computed ? " of each motion" : "", slots);
 }
 
-/// Costs of effects by the names of io::effects.
+/// Costs of effects, by the names that io::effects() gives.
 using Costs = std::map<std::string, Cost>;
 
 std::string product_with_density(const fem::Operators& body) {
-  return body.uniform_density ? "nothing: one product with M does" : "a product with W";
+  return body.uniform_density ? "nothing: included in the product with M" : "a product with W";
 }
 
 /// Adds the costs of control and objective.
@@ -88,11 +88,11 @@ void add_control(const problem::Problem& problem, Costs& costs) {
   if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
         static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
-  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
-                        "a gradient: an adjoint step, with one solve" + again(problem)};
+  costs["objective"] = {scene.objective->on ? "L2 of objective.on" : "W", motions_bytes(problem),
+                        "for a gradient: one adjoint step with one solve" + again(problem)};
 }
 
-/// Costs of the effects that add anything.
+/// Costs of all effects that add matrices, memory or work.
 Costs costs(const problem::Problem& problem) {
   const scene::Scene& scene = problem.scene;
   const fem::Operators& body = problem.operators;
@@ -101,27 +101,27 @@ Costs costs(const problem::Problem& problem) {
   Costs costs;
   costs["clamp"].step = "nothing: its unknowns are decoupled in D";
   if (body.B)
-    costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
+    costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: included in D and R"};
   if (stepper.motion())
-    costs["moving clamp"] = {"D before the clamps",
+    costs["moving clamp"] = {"D without clamps",
                              petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
-    costs["contact"] = {fmt::format("of the {} candidates", pairs->count()),
+    costs["contact"] = {fmt::format("for {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
-                        "in flight a check of the gaps; in contact an inequality"};
+                        "without contact: check of the gaps; in contact: one inequality"};
     if (stepper.predictor())
       costs["contact-stabilized"] = {"the factor of M", stepper.scheme_bytes(),
-                                     "in contact an inequality with M"};
+                                     "in contact: one inequality with M"};
     else if (stepper.scheme_bytes() > 0)
-      costs["massless contact"] = {"M with mass moved", stepper.scheme_bytes(), "nothing: it is in D and R"};
+      costs["massless contact"] = {"M redistributed", stepper.scheme_bytes(), "nothing: included in D and R"};
     if (pairs->moving())
-      costs["moving obstacle"].step = "the gaps anew";
+      costs["moving obstacle"].step = "recomputed gaps";
   }
   if (problem.probes)
     costs["probes"].step = fmt::format("{} values", problem.probes->columns().size());
   if (problem.scene_load) {
     const std::string evaluated =
-        problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";
+        problem.scene_load->depends_on_time() ? ", evaluated in each step" : ", evaluated once";
     if (scene.load->body)
       costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, product_with_density(body) + evaluated};
     if (scene.load->gravity)
@@ -136,21 +136,22 @@ Costs costs(const problem::Problem& problem) {
     costs["unknowns"] = {"derivatives",
                          static_cast<double>(of_material) * petsc::bytes(body.A) +
                              static_cast<double>(scene.unknowns.size()) * 2 * vector,
-                         fmt::format("in a fit, {} linearised step{}", scene.unknowns.size(),
+                         fmt::format("in a fit: {} linearised step{}", scene.unknowns.size(),
                                      scene.unknowns.size() == 1 ? "" : "s")};
   }
-  costs["measurements"].step = "in a fit, a few values";
+  costs["measurements"].step = "in a fit: a few values";
   if (scene.objective)
     add_control(problem, costs);
   return costs;
 }
 
 struct StepTimes {
-  double free = 0, contact = 0, adjoint = 0; ///< s each
+  double free = 0, contact = 0, adjoint = 0; ///< seconds of a step without contact, with it, and adjoint
   int free_steps = 0, contact_steps = 0;
 };
 
-/// Runs `steps` steps from the start, and as many adjoint ones on the last contact if there is an objective.
+/// Times `steps` forward steps from the initial state and, if the scene has an objective, as many adjoint
+/// steps with the active set of the last forward step.
 StepTimes time_steps(const problem::Problem& problem, int steps) {
   using Clock = std::chrono::steady_clock;
   const auto seconds_since = [](Clock::time_point start) {
@@ -193,21 +194,21 @@ std::string estimate(const problem::Problem& problem, int timed_steps) {
   const double all = times.free * times.free_steps + times.contact * times.contact_steps;
   std::string text = fmt::format("{} steps timed:", steps);
   if (times.free_steps)
-    text += fmt::format(" {:.3g} ms each without contact", 1e3 * times.free);
+    text += fmt::format(" {:.3g} ms per step without contact", 1e3 * times.free);
   if (times.contact_steps)
-    text += fmt::format("{} {:.3g} ms each of {} in contact", times.free_steps ? "," : "",
+    text += fmt::format("{} {:.3g} ms per step for {} in contact", times.free_steps ? "," : "",
                         1e3 * times.contact, times.contact_steps);
   const double sweep = all / steps * problem.steps();
-  text += fmt::format("\n{} such steps: {:.2g} s", problem.steps(), sweep);
+  text += fmt::format("\nall {} steps: {:.2g} s", problem.steps(), sweep);
   if (problem.scene.objective)
     text += fmt::format("; with the adjoint sweep, as in each iteration of optimize: {:.2g} s",
                         sweep + times.adjoint * problem.steps());
   if (problem.stepper.pairs() && !times.contact_steps)
-    text += "\n(no contact yet in these; steps in contact take longer)";
+    text += "\n(none of the timed steps was in contact; steps in contact take longer)";
   return text;
 }
 
-/// Peak memory of the ranks, in words. Collective.
+/// Describes the peak memory of the ranks. Collective.
 std::string memory_of_ranks(MPI_Comm comm) {
   double least = peak_memory(), most = least, all = least;
   MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, comm);
@@ -219,7 +220,7 @@ std::string memory_of_ranks(MPI_Comm comm) {
                      megabytes(most), ranks(comm));
 }
 
-/// The coarse meshes that optimize begins with, in words; empty if there are none.
+/// Describes the coarse meshes on which optimize starts; empty if there are none.
 std::string coarse_levels(const problem::Problem& problem) {
   std::string sizes;
   for (const int multiple : drivers::coarse_multiples(problem))
@@ -242,16 +243,17 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
   console.line(drivers::body_lines(problem));
   for (const std::string& line : trajectory::first_touch_lines(stepper, problem.scene))
     console.line(line);
-  console.line(fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M",
+  console.line(fmt::format("stored throughout: matrices M {}, A {}, R {}, {} {}; each step: one solve with D "
+                           "and products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
                            megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R)),
                            stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
                            megabytes(stepper.solver().memory().factor)));
   console.line(
-      "M: mass, A: elasticity, B: viscosity, W: mass of density 1; D y = R y_before + τ M v_before + "
-      "forces is a step of length τ\n");
+      "M: mass, A: elasticity, B: viscosity, W: mass for density 1; a step of length τ solves D y = R "
+      "y_before + τ M v_before + forces\n");
   constexpr const char* row = "{:<22}{:<24}{:>10}   {}";
-  console.line(fmt::format(row, "effects", "adds matrices", "memory", "and in a step"));
+  console.line(fmt::format(row, "effects", "adds matrices", "memory", "adds in each step"));
   Costs all = costs(problem);
   std::string off;
   for (const auto& [name, on] : io::effects(problem.scene)) {
@@ -271,7 +273,7 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
   if (const std::string levels = coarse_levels(problem); !levels.empty())
     console.line(fmt::format("optimize starts on coarser meshes, of size {}", levels));
   console.line(fmt::format("\nset-up took {:.2g} s and {}", setup, memory_of_ranks(problem.space.comm())));
-  console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "for an estimate of the time: --time 20");
+  console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "to estimate the run time, add --time 20");
 }
 
 } // namespace signorini::app

@@ -4,9 +4,10 @@
 
 namespace signorini::app {
 
-/// Runs the verb info: prints sizes, effects that are on or off, and the matrices, other memory and work per
-/// step that each adds. Makes no steps except `timed_steps` forward ones, and as many adjoint ones of a scene
-/// with an objective, to estimate the time of the whole. Collective. Throws UserError, SolverFailure.
+/// Runs the verb info: prints the sizes of the problem and, for each effect, whether the effect is on and
+/// which matrices, memory and work per step it adds. To estimate the run time, computes `timed_steps` forward
+/// steps, and as many adjoint steps if the scene has an objective. Throws UserError, SolverFailure.
+/// Collective.
 void print_info(problem::Problem& problem, int timed_steps, const Console& console);
 
 } // namespace signorini::app

@@ -35,12 +35,13 @@ struct Verb {
 };
 constexpr Verb verbs[] = {
     {"simulate", "forward run only"},
-    {"optimize", "forward, adjoint, update, until the stopping criterion"},
-    {"check", "derivatives and discrete invariants of this scene"},
-    {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
-    {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"},
-    {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"},
-    {"completion", "a script for bash, which then completes verbs, options and keys"}};
+    {"optimize", "search for an optimal control, or fit unknown parameters"},
+    {"check", "verify derivatives and discrete invariants of a scene"},
+    {"study", "compare errors and run times over a ladder of sizes, steps, degrees and schemes"},
+    {"info", "list effects with their costs, unknowns and memory; --time N estimates the run time from N "
+             "steps"},
+    {"keys", "list all keys of a scene with values, units, limits, defaults and meanings"},
+    {"completion", "print a script for bash that completes verbs, options and keys"}};
 
 void require_verb(int argc, char** argv) {
   std::vector<std::string> names;
@@ -58,8 +59,8 @@ void require_verb(int argc, char** argv) {
                     signorini::suggestion(found, names), allowed));
 }
 
-/// Replaces a time such as 90, 90s, 10min or 2h by its seconds; returns an error message, empty if it is
-/// valid.
+/// Replaces a text such as 90, 90s, 10min or 2h by the number of seconds. Returns an error message; empty if
+/// the text is valid.
 std::string to_seconds(std::string& text) {
   constexpr std::pair<std::string_view, double> units[] = {{"min", 60}, {"h", 3600}, {"s", 1}};
   std::string_view number = text;
@@ -89,54 +90,59 @@ void add_study_options(CLI::App& app, Request& request) {
        "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
   list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
   list("--tolerances", request.study.choice.tolerances,
-       "of steps that the motion chooses (time.step = \"auto\"), beside or in place of --steps (default: "
-       "none, or "
-       "the scene's, 4 and 16 times that)");
+       "tolerances of steps of varying length (time.step = \"auto\"), beside or in place of --steps "
+       "(default: none, or the scene's, 4 and 16 times that)");
   app.add_flag("--graded", request.study.choice.graded,
-               "the same rungs once more on meshes with as many elements, whose sizes vary with the error");
-  list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
+               "repeat all rungs on graded meshes, with as many elements but sizes that follow the error");
+  list("--degrees", request.study.choice.degrees, "degrees of the displacement, 1,2 (default: the scene's)");
   list("--schemes", request.study.choice.schemes,
-       "of contact-implicit,contact-stabilized,massless (default: the scene's)");
+       "contact schemes, from contact-implicit,contact-stabilized,massless (default: the scene's)");
   list("--quantity", request.study.quantities,
-       "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
+       "quantities to compare, such as J,displacement,gradient,impulse (default: all but the gradient)");
   list("--search-tolerances", request.study.search_tolerances,
-       "also search the scene's optimum with each optimizer.tolerance, such as 1e-3,1e-4,1e-5");
+       "also search for the scene's optimum with "
+       "these values of optimizer.tolerance, such as 1e-3,1e-4,1e-5");
   app.add_option(
          "--budget", request.study.budget,
-         "stop before a rung that would end later, such as 90s, 10min or 2h (default of --suggest: 10min)")
+         "time limit, such as 90s, 10min or 2h; no rung starts that would end later (default of --suggest: "
+         "10min)")
       ->transform(CLI::Validator(to_seconds, "TIME"));
-  app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
+  app.add_flag("--dry-run", request.study.dry_run, "predict the time of each rung; run none");
   app.add_option("--suggest", request.suggest,
-                 "instead: a size and a step for this relative error, such as 1e-2, of --quantity, or of J")
+                 "in place of a study: suggest a size and a step for this relative error of --quantity or J, "
+                 "such as 1e-2")
       ->check(CLI::Range(1e-12, 1.0))
       ->excludes("--search-tolerances");
 }
 
-/// Adds --accuracy, which is returned, and the options that need it.
+/// Adds the option --accuracy and the options that need it; returns --accuracy.
 CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::string& quantity) {
   CLI::Option* const accuracy = app.add_option("--accuracy", request.accuracy,
-                                               "choose sizes and steps until this relative error of " +
-                                                   quantity + " is met, such as 1e-2")
+                                               "choose sizes and steps until the relative error of " +
+                                                   quantity + " is below this number, such as 1e-2")
                                     ->check(CLI::Range(1e-12, 1.0));
   app.add_option("--budget", request.study.budget,
-                 "end with the best answer by then, such as 90s, 10min or 2h (default: none)")
+                 "time limit, such as 90s, 10min or 2h; "
+                 "the best result until then is written (default: none)")
       ->transform(CLI::Validator(to_seconds, "TIME"))
       ->needs(accuracy);
   return accuracy;
 }
 
-/// Adds the options of keys, which has no scene; each sets the `writer` that prints them.
+/// Adds the options of the verb keys, which has no scene. Each option sets `writer`, the function that prints
+/// the keys.
 void add_keys_options(CLI::App& app, std::string (*&writer)()) {
   app.add_flag_callback(
-      "--json", [&] { writer = signorini::scene::json_schema; }, "as a JSON schema of a scene");
+      "--json", [&] { writer = signorini::scene::json_schema; }, "print a JSON schema of a scene");
   app.add_flag_callback(
-      "--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
+      "--markdown", [&] { writer = signorini::scene::markdown; },
+      "print the table of docs/reference/keys.md");
 }
 
-/// Requests of the command line other than a run.
+/// Requests of the command line other than runs.
 struct Asked {
   bool quiet = false;
-  std::string (*keys)() = signorini::scene::reference; ///< text of the keys
+  std::string (*keys)() = signorini::scene::reference; ///< function that returns the text of the verb keys
 };
 
 void add_verbs(CLI::App& app, Request& request, Asked& asked) {
@@ -156,9 +162,9 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
         ->allow_extra_args(false) // the scene may follow
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_option("--threads", request.threads,
-                    "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
+                    "threads of each rank (default: OMP_NUM_THREADS, else cores divided by ranks)")
         ->check(CLI::Range(1, 1024));
-    sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
+    sub->add_flag("--quiet", asked.quiet, "print errors only");
     if (name == "optimize") {
       CLI::Option* const resume = sub->add_flag(
           "--resume", request.resume, "continue from the checkpoint in the folder, if there is one");
@@ -168,20 +174,22 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
       CLI::Option* const accuracy = add_accuracy_options(*sub, request, "--quantity");
       CLI::Option* const quantity =
           sub->add_option("--quantity", request.study.quantities,
-                          "of --accuracy, such as impulse, contact_time or displacement")
+                          "quantity for --accuracy, such as impulse, contact_time or displacement")
               ->expected(1)
               ->needs(accuracy);
       accuracy->needs(quantity);
-      sub->add_flag("--replace", request.replace, "even if the folder holds an optimum, or files hold data");
+      sub->add_flag("--replace", request.replace,
+                    "overwrite an optimum in the folder, and data files of --measure");
       CLI::Option* const measure =
           sub->add_flag("--measure", request.measure,
-                        "write the files of the scene's measurements: what it gives, with noise");
-      sub->add_option("--seed", request.seed, "of the noise (default 1); 0: no noise")
+                        "write the files of the scene's measurements: simulated values with noise");
+      sub->add_option("--seed", request.seed, "seed of the noise (default 1); 0: no noise")
           ->check(CLI::Range(0, std::numeric_limits<int>::max()))
           ->needs(measure);
     }
     if (name == "info")
-      sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
+      sub->add_option("--time", request.timed_steps,
+                      "time this many steps and estimate the time of the whole run")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     if (name == "study")
       add_study_options(*sub, request);
@@ -194,7 +202,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
   }
 }
 
-/// The options of all verbs.
+/// All verbs and the names of their options.
 std::vector<signorini::app::VerbOptions> options(const CLI::App& app) {
   std::vector<signorini::app::VerbOptions> all;
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -206,7 +214,7 @@ std::vector<signorini::app::VerbOptions> options(const CLI::App& app) {
   return all;
 }
 
-/// Throws UserError if words are left that no option takes.
+/// Throws UserError if words of the command line are left that belong to no option.
 void require_no_more(const CLI::App& app, const std::string& verb) {
   const std::vector<std::string> extra = app.remaining(true);
   if (std::ranges::find(extra, "--resume") != extra.end())
@@ -223,7 +231,7 @@ void require_no_more(const CLI::App& app, const std::string& verb) {
       extra.front(), signorini::suggestion(extra.front(), known), signorini::list(known)));
 }
 
-/// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
+/// Parses the command line. Returns an exit status if nothing is to be run. Throws UserError.
 std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
   require_verb(argc, argv);
   CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
@@ -255,13 +263,13 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   return 0;
 }
 
-/// Prints an error as one line, with control characters in names replaced.
+/// Prints an error on one line, with control characters in file names replaced.
 void report_error(std::string text) {
   std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
   signorini::print_text(stderr, fmt::format("signorini: {}\n", text));
 }
 
-/// Prints a failure that other ranks may not have seen, once, and ends all ranks.
+/// Prints a failure that other ranks may not know of, and ends all ranks.
 [[noreturn]] void abort_all(int rank, const std::string& text, int status) {
   // If every rank fails alike, rank 0 prints and ends the others while they sleep.
   if (rank != 0)
@@ -271,7 +279,7 @@ void report_error(std::string text) {
   std::abort();
 }
 
-/// Warns of PETSc options of the command line that no solver used.
+/// Warns about PETSc options on the command line that no solver used.
 void report_unused(const std::vector<std::string>& given) {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
@@ -280,8 +288,8 @@ void report_unused(const std::vector<std::string>& given) {
   for (PetscInt i = 0; i < count; ++i)
     if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
       signorini::print_text(
-          stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, "
-                              "-condensed_vi_, -full_vi_\n",
+          stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of solver options: "
+                              "-step_, -condensed_vi_, -full_vi_\n",
                               name));
   (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
 }
@@ -300,7 +308,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return wrong_input;
   } catch (const signorini::Interrupted&) {
     if (rank == 0)
-      report_error("interrupted before there was anything to write");
+      report_error("interrupted before there was a result to write");
     return interrupted;
   } catch (const signorini::WriteFailure& error) {
     if (ranks > 1)
@@ -309,7 +317,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return wrong_input;
   } catch (const std::bad_alloc&) {
     const char* text = "not enough memory for this scene; use fewer time steps, larger elements or another "
-                       "trajectory.storage (signorini info lists what each takes)";
+                       "trajectory.storage (signorini info lists the memory of each)";
     if (ranks > 1)
       abort_all(rank, text, wrong_input);
     report_error(text);

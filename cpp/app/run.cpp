@@ -28,7 +28,7 @@ int check(const scene::Scene& scene, const Console& console) {
   return drivers::check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
 
-/// Default folder of a run's results; for the echo of a run, the folder `home` of that run.
+/// Default output folder of a run; if the scene is the echo of an earlier run, the folder of that run.
 std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
                                    const std::filesystem::path& home) {
   if (verb == "study")
@@ -36,8 +36,8 @@ std::filesystem::path usual_folder(const std::string& verb, const std::string& n
   return home.empty() ? std::filesystem::path("results") / name : home;
 }
 
-/// Throws UserError if the run would replace the user's scene file: a run writes the echo of its scene to
-/// scene.toml in its folder. If that is the scene to be run, it must be an unchanged echo.
+/// Throws UserError if a run would replace the user's scene file by the echo that it writes to scene.toml in
+/// its output folder. If that file is the scene to be run, it must be an unchanged echo.
 void require_not_the_users(const scene::Scene& scene, const std::string& text,
                            const std::filesystem::path& out) {
   const std::filesystem::path echo = out / "scene.toml";
@@ -52,7 +52,7 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text,
                               echo.string()));
 }
 
-/// Throws UserError if the run would replace the control that it starts from.
+/// Throws UserError if a run would replace the stored control from which it starts.
 void require_not_the_guess(const scene::Scene& scene, const std::filesystem::path& out) {
   std::error_code none;
   if (scene.control && scene.control->stored &&
@@ -69,14 +69,14 @@ void require_size(const scene::Scene& scene, const Request& request) {
                     "--set mesh.size=0.1");
   if (scene.mesh.automatic() && !request.accuracy)
     throw UserError(fmt::format(
-        "mesh.size: {} takes \"auto\" with --accuracy alone; give a size in m, such as --set mesh.size=0.1",
+        "mesh.size: {} accepts \"auto\" only with --accuracy; give a size in m, such as --set mesh.size=0.1",
         request.verb));
 }
 
-/// Refuses --accuracy and --budget for fits: no error estimate of their misfit exists. Throws UserError.
+/// Throws UserError if --accuracy or --budget is used for a fit, since misfits have no error estimate.
 void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request) {
   if (request.verb == "optimize" && !scene.unknowns.empty() && (request.accuracy || request.study.budget))
-    throw UserError(fmt::format("{}: has no effect on a fit, with tables [[unknown]]; set "
+    throw UserError(fmt::format("{}: has no effect on a fit, which has tables [[unknown]]; set "
                                 "optimizer.tolerance or optimizer.max_iterations",
                                 request.accuracy ? "--accuracy" : "--budget"));
 }

@@ -10,28 +10,29 @@ namespace signorini::app {
 
 struct SceneFile;
 
-/// A request of the command line.
+/// A run that the command line requests.
 struct Request {
-  std::string verb; ///< simulate, optimize, check, study or info
-  std::filesystem::path scene;
-  std::filesystem::path out; ///< empty: results/<scene name>
-  std::vector<std::string> overrides;
-  bool resume = false;        ///< continue optimize from its checkpoint
-  bool replace = false;       ///< simulate may remove a search's results from its folder
-  bool measure = false;       ///< simulate writes the files of the scene's measurements
-  int seed = 1;               ///< seed of their noise; 0: no noise
-  int timed_steps = 0;        ///< number of steps that info makes and times
+  std::string verb;                   ///< simulate, optimize, check, study or info
+  std::filesystem::path scene;        ///< scene file
+  std::filesystem::path out;          ///< output folder; empty: results/<scene name>
+  std::vector<std::string> overrides; ///< arguments `key.path=value` of --set
+  bool resume = false;                ///< whether optimize continues from its checkpoint
+  bool replace = false;       ///< whether simulate may remove a search's results from its output folder
+  bool measure = false;       ///< whether simulate writes the files of the scene's measurements
+  int seed = 1;               ///< seed of the noise in these files; 0: no noise
+  int timed_steps = 0;        ///< number of steps that info computes and times
   std::optional<int> threads; ///< threads of each rank; absent: use_threads() chooses
   accuracy::Options study;
-  std::optional<double> suggest;  ///< tolerance for which study proposes size and step
-  std::optional<double> accuracy; ///< relative error that simulate and optimize have to meet
+  std::optional<double> suggest;  ///< relative error for which study proposes size and step
+  std::optional<double> accuracy; ///< relative error that simulate and optimize must meet
 };
 
-/// Runs the request on MPI_COMM_WORLD and returns the exit status. Collective. Throws UserError,
-/// SolverFailure, Interrupted.
+/// Reads the scene of a request, runs the request on MPI_COMM_WORLD and returns the exit status. Throws
+/// UserError, SolverFailure, Interrupted. Collective.
 int run(const Request& request, const Console& console);
 
-/// Runs the request with a scene that was read before.
+/// Runs a request with the scene in `file`, which has been read already, and returns the exit status. Throws
+/// UserError, SolverFailure, Interrupted. Collective.
 int run(const Request& request, const SceneFile& file, const Console& console);
 
 } // namespace signorini::app

@@ -5,7 +5,7 @@
 namespace signorini::app {
 namespace {
 
-/// Folder of the run that wrote the scene file as its echo, beside its manifest; empty for other scenes.
+/// Folder of the run that wrote the scene file as its echo, beside run.json; empty for other scenes.
 std::string folder_of_echo(const std::filesystem::path& file) {
   const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal(),
                               folder = absolute.parent_path();

@@ -8,15 +8,15 @@
 
 namespace signorini::app {
 
-/// A scene as it was read from its file.
+/// A scene and the file from which it was read.
 struct SceneFile {
   scene::Scene scene;
-  std::string text;
+  std::string text;           ///< text of the file
   std::filesystem::path home; ///< folder of the run that wrote the file as its echo; empty for other scenes
 };
 
-/// Reads a scene, on rank 0 for all: ranks with different scenes would deadlock. `overrides`:
-/// `key.path=value`. Collective. Throws UserError.
+/// Reads a scene file on rank 0 and parses it on all ranks, since ranks with different scenes would deadlock.
+/// `overrides`: arguments `key.path=value` of --set. Throws UserError. Collective.
 SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
                      const std::vector<std::string>& overrides);
 

@@ -14,7 +14,7 @@
 namespace signorini::app {
 namespace {
 
-/// File name of the Python program that runs the script of a verb.
+/// File name of the launcher, a Python program that runs the script of a verb.
 constexpr char launcher[] = "verb.py";
 
 struct Launcher {
@@ -22,7 +22,7 @@ struct Launcher {
   bool installed;
 };
 
-/// Finds the launcher in the build or in the installation. Throws UserError.
+/// Finds the launcher in the build folder or in the installation. Throws UserError if there is none.
 Launcher find_launcher(const char* verb) {
   const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
   std::string tried;
@@ -34,7 +34,9 @@ Launcher find_launcher(const char* verb) {
       return {file, installed};
     tried += (tried.empty() ? "" : ", ") + file.string();
   }
-  throw UserError(fmt::format("{}: found none of its scripts, which are looked for at {}", verb, tried));
+  throw UserError(fmt::format("{}: the scripts of this verb were not found at {}; install signorini "
+                              "completely",
+                              verb, tried));
 }
 
 } // namespace
@@ -42,11 +44,11 @@ Launcher find_launcher(const char* verb) {
 const std::vector<ScriptVerb>& script_verbs() {
   static const std::vector<ScriptVerb> verbs{
       {"report",
-       "one page of all that a run or a study found, or of two runs side by side",
+       "write a page with all results of a run or a study, or of two runs side by side",
        {"--threads", "--quiet"}},
-      {"figures", "all figures of a run", {"--time", "--threads", "--quiet"}},
+      {"figures", "draw all figures of a run", {"--time", "--threads", "--quiet"}},
       {"plot",
-       "the convergence of an optimization or a fit, redrawn while it runs",
+       "plot the convergence of an optimization or a fit, also while it runs",
        {"--every", "--threads", "--quiet"}}};
   return verbs;
 }
@@ -64,7 +66,8 @@ void become_script(std::span<char* const> words) {
   arguments.push_back(file.data());
   arguments.insert(arguments.end(), words.begin(), words.end());
   execvp(python.c_str(), arguments.data());
-  throw UserError(fmt::format("{}: no python3 on PATH can run its scripts ({}); put one there that can",
+  throw UserError(fmt::format("{}: no python3 on PATH can be started ({}); install Python 3, or add its "
+                              "folder to PATH",
                               words.front(), std::generic_category().message(errno)));
 }
 

@@ -31,15 +31,15 @@ inline int ranks(MPI_Comm comm) {
 /// Largest size of one message, bytes: MPI counts in int.
 constexpr std::size_t largest_message = std::numeric_limits<int>::max();
 
-/// Overwrites `bytes` (the same number on every rank) with those of rank `root`, in messages of at most
-/// `largest` bytes. Collective.
+/// Overwrites `bytes`, whose number is the same on every rank, with the bytes of rank `root`, in messages of
+/// at most `largest` bytes. Collective.
 inline void broadcast_bytes(MPI_Comm comm, std::span<std::byte> bytes, int root, std::size_t largest) {
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), largest)))
     MPI_Bcast(bytes.data(), static_cast<int>(std::min(bytes.size(), largest)), MPI_BYTE, root, comm);
 }
 
-/// Returns the text or numbers of rank `root` on every rank, sent in messages of at most `largest` bytes.
-/// Collective.
+/// Returns on every rank the text or numbers that rank `root` passes, sent in messages of at most `largest`
+/// bytes. `Sequence`: a string or a vector of numbers. Collective.
 template <class Sequence>
 Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0, std::size_t largest = largest_message) {
   auto size = static_cast<std::uint64_t>(values.size());
@@ -49,8 +49,9 @@ Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0, std::size_t lar
   return values;
 }
 
-/// Returns the entries of all ranks, in the order of the ranks, on every rank. Uses one exchange for up to
-/// `largest` bytes in total, else messages of at most that size from rank to rank. Collective.
+/// Concatenates the vectors of all ranks in the order of the ranks and returns the result on every rank. Uses
+/// one MPI call if the result has at most `largest` bytes, else one broadcast per rank in messages of at most
+/// that size. Collective.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t largest = largest_message) {
   const auto number = static_cast<std::size_t>(ranks(comm));
@@ -72,8 +73,8 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t lar
   return all;
 }
 
-/// Runs `work` on rank 0; a Failure there, or an OutputFailure, is thrown on every rank, so that no rank
-/// blocks. Collective.
+/// Runs `work` on rank 0 only. If `work` throws a Failure or an OutputFailure there, every rank throws the
+/// same exception, so that no rank waits for another one. Collective.
 template <class Failure = UserError, class Work>
 void on_root(MPI_Comm comm, Work&& work) {
   if (ranks(comm) == 1) { // avoids the allocations of a broadcast
@@ -81,7 +82,7 @@ void on_root(MPI_Comm comm, Work&& work) {
     return;
   }
   constexpr char of_output = 'o', other = 'f';
-  std::string problem; // preceded by its kind
+  std::string problem; // preceded by a character for the type of the exception
   if (rank(comm) == 0) {
     try {
       work();
@@ -98,8 +99,8 @@ void on_root(MPI_Comm comm, Work&& work) {
     throw Failure(problem.substr(1));
 }
 
-/// Runs `work` on every rank; a UserError of any rank is thrown on all, with the text of the lowest rank that
-/// threw. Collective.
+/// Runs `work` on every rank. If it throws UserError on some ranks, every rank throws UserError with the text
+/// of the lowest of these ranks. Collective.
 template <class Work>
 void on_all_ranks(MPI_Comm comm, Work&& work) {
   std::string problem;
@@ -115,11 +116,11 @@ void on_all_ranks(MPI_Comm comm, Work&& work) {
     throw UserError(broadcast(comm, problem, first));
 }
 
-/// Wall-clock time since its construction.
+/// Stopwatch that starts with its construction.
 class Elapsed {
 public:
   explicit Elapsed(MPI_Comm comm) : comm_(comm) {}
-  /// Seconds, the same on all ranks. Collective.
+  /// Wall-clock time since construction in seconds, measured on rank 0 and the same on all ranks. Collective.
   [[nodiscard]] double seconds() const {
     double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);

@@ -8,8 +8,8 @@
 
 namespace signorini {
 
-/// 64-bit hash (FNV-1a) of texts and their lengths, to distinguish contents; not safe against contents that
-/// were made to collide.
+/// Computes a 64-bit hash (FNV-1a) of texts and their lengths, to find out whether contents differ. It is not
+/// cryptographic: colliding contents can be constructed.
 class Digest {
 public:
   Digest& add(std::string_view piece) {

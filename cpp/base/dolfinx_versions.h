@@ -25,11 +25,11 @@
 #include <dolfinx/io/xdmf_utils.h>
 #endif
 
-/// Calls that differ between dolfinx 0.9, 0.10 and 0.11. They are templates: a branch of
-/// `if constexpr` that a version lacks must not be compiled.
+/// Wrappers for calls that differ between dolfinx 0.9, 0.10 and 0.11. They are templates because only in a
+/// template does the compiler skip the branch of `if constexpr` that the installed version lacks.
 namespace signorini::dolfinx_versions {
 
-/// The one coordinate element of all cells.
+/// Returns the coordinate element of the geometry; all cells of a mesh have the same one.
 template <class Geometry>
 const auto& coordinate_element(const Geometry& geometry) {
   if constexpr (requires { geometry.cmap(); }) // until 0.10
@@ -38,7 +38,7 @@ const auto& coordinate_element(const Geometry& geometry) {
     return geometry.cmaps().front();
 }
 
-/// The nodes of the geometry of each cell (cells × nodes).
+/// Returns the geometry's node numbers of each cell (cells × nodes per cell).
 template <class Geometry>
 auto cell_nodes(const Geometry& geometry) {
   if constexpr (requires { geometry.cmap(); }) // until 0.10
@@ -47,7 +47,8 @@ auto cell_nodes(const Geometry& geometry) {
     return geometry.dofmaps().front();
 }
 
-/// Returns the vertices of a straight cell as a function of their number: the address of three coordinates.
+/// Returns a function that maps the number i of a vertex of the straight cell `cell` to the address of the
+/// vertex's three coordinates, m.
 template <class Geometry>
 auto vertices(const Geometry& geometry, std::int32_t cell) {
   return [nodes = cell_nodes(geometry), x = geometry.x(), cell](int i) {
@@ -56,7 +57,7 @@ auto vertices(const Geometry& geometry, std::int32_t cell) {
   };
 }
 
-/// The entries of a vector, writable.
+/// Returns the entries of a dolfinx vector as a writable span.
 template <class Vector>
 auto entries(Vector& vector) {
   if constexpr (std::is_assignable_v<decltype(*vector.array().begin()), typename Vector::value_type>) // 0.11
@@ -65,8 +66,9 @@ auto entries(Vector& vector) {
     return vector.mutable_array();
 }
 
-/// Returns the facets or cells of this rank and their values, from lists on any rank (entities × nodes of the
-/// file). Collective.
+/// Distributes values of facets or cells (entities of dimension `dim`). `entities`: nodes of each entity
+/// (entities × nodes), by their numbers in the input; entities and `values` may be listed on any rank.
+/// Returns the entities that this rank has, and their values. Collective.
 template <class Mesh, class Entities>
 auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
                             std::span<const std::int32_t> values) {
@@ -81,13 +83,15 @@ auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
       coordinate_element(geometry).create_dof_layout(), cell_nodes(geometry), dim, entities, values);
 }
 
-/// Whether create_mesh has an argument for the number of cells that share a facet (FEniCSx 0.11).
+/// Whether dolfinx's create_mesh() has an argument for the number of cells that share a facet (from dolfinx
+/// 0.11).
 template <class Links>
 constexpr bool wants_links =
     requires(Links links) { dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none, links); };
 
-/// Creates a mesh without ghost cells, divided among the ranks of `comm` by a graph that the ranks of
-/// `dividing` partition. Without `divides` cells stay where they are given. Collective.
+/// Creates a mesh without ghost cells on `comm`. If `divides`, the ranks of `dividing` partition the graph of
+/// the cells among the ranks of `comm`; otherwise each cell stays on the rank that passes it. `shape`: rows
+/// and columns of the coordinates `x`. Collective.
 template <std::floating_point T>
 dolfinx::mesh::Mesh<T> create_mesh(MPI_Comm comm, MPI_Comm dividing, std::span<const std::int64_t> cells,
                                    const dolfinx::fem::CoordinateElement<T>& element, const std::vector<T>& x,
@@ -105,7 +109,8 @@ dolfinx::mesh::Mesh<T> create_mesh(MPI_Comm comm, MPI_Comm dividing, std::span<c
     return make();
 }
 
-/// Nodes of the geometry at the corners of these entities (entities × corners), local indices.
+/// Returns the geometry's nodes at the corners of `entities` of dimension `dim` (entities × corners), local
+/// indices.
 template <std::floating_point T>
 std::vector<std::int32_t> corners(const dolfinx::mesh::Mesh<T>& mesh, int dim,
                                   std::span<const std::int32_t> entities) {
@@ -116,7 +121,8 @@ std::vector<std::int32_t> corners(const dolfinx::mesh::Mesh<T>& mesh, int dim,
     return found;
 }
 
-/// A space of functions of this shape. Collective.
+/// Creates the space of functions of an element, with values of the given shape (empty for scalars).
+/// Collective.
 template <std::floating_point T, class Element>
 auto create_functionspace(std::shared_ptr<dolfinx::mesh::Mesh<T>> mesh, const Element& element,
                           const std::vector<std::size_t>& shape) {
@@ -128,7 +134,8 @@ auto create_functionspace(std::shared_ptr<dolfinx::mesh::Mesh<T>> mesh, const El
                   element, shape.empty() ? std::nullopt : std::optional(shape)));
 }
 
-/// A compiled expression of these functions and constants, by their names in UFL.
+/// Creates an expression from its generated code; `functions` and `constants` are passed by their names in
+/// UFL.
 template <std::floating_point T>
 auto create_expression(
     const ufcx_expression& code,
@@ -137,11 +144,11 @@ auto create_expression(
   using dolfinx::fem::create_expression;
   if constexpr (requires { create_expression<T, T>(code, functions, constants); }) // until 0.10
     return create_expression<T, T>(code, functions, constants);
-  else // no other mesh's entities
+  else // this version also takes the entities of other meshes: none
     return create_expression<T, T>(code, functions, constants, {});
 }
 
-/// The boxes of these entities of a mesh.
+/// Returns the tree of the bounding boxes of `entities` of dimension `dim` (local indices) of a mesh.
 template <std::floating_point T>
 auto bounding_boxes(const dolfinx::mesh::Mesh<T>& mesh, int dim, std::span<const std::int32_t> entities) {
   using Tree = dolfinx::geometry::BoundingBoxTree<T>;

@@ -11,39 +11,40 @@ namespace exit_status {
 constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, interrupted = 130;
 }
 
-/// The scene, the mesh, an option or the output folder is wrong: exit status 2.
+/// Error of the user's input: the scene, the mesh, an option or the output folder is wrong (exit status 2).
 /// The text is one sentence: what is wrong, where, what was found, what to do.
 class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file or folder of the results cannot be written: exit status 2.
+/// Failure to write a file or folder of the results, reported like an error of the user (exit status 2).
 class OutputFailure : public UserError {
   using UserError::UserError;
 };
 
-/// A file cannot be written, possibly on some ranks only: exit status 2; on several ranks the program aborts
-/// them all.
+/// Failure to write a file, possibly on some ranks only (exit status 2). On several ranks the program aborts
+/// all of them.
 class WriteFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A solver failed: exit status 3. The text names the step, the reason and the residual.
+/// Failure of a solver (exit status 3). The text names the step, the reason and the residual.
 class SolverFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The user asked to stop during a sweep: complete results are written, exit status 130.
+/// Thrown when a requested stop ends a computation: the program writes all complete results and exits with
+/// status 130.
 class Interrupted : public std::exception {
 public:
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// A warning about the results of a run.
+/// Warning about the results of a run, issued because a value exceeds its limit.
 struct Warning {
   std::string name;    ///< kind of the warning
-  std::string message; ///< sentence with value and place
-  double value, limit; ///< the value, and the limit above which there is a warning
+  std::string message; ///< sentence with the value and where it occurs
+  double value, limit; ///< the value, and the limit that it exceeds; both in the same unit
 };
 
 } // namespace signorini

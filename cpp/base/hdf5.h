@@ -13,7 +13,7 @@
 
 namespace signorini {
 
-/// Sole owner of an HDF5 identifier, which it closes.
+/// Sole owner of an HDF5 identifier; the destructor closes the identifier by the function passed.
 class Hdf5Handle {
 public:
   Hdf5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -41,26 +41,27 @@ private:
   herr_t (*close_)(hid_t);
 };
 
-/// Opens a file for reading; the handle is invalid if that fails. Here and in create_hdf5() HDF5 is kept from
-/// printing its stack of errors: callers report a failure in one sentence.
+/// Opens a file for reading. Returns an invalid handle if that fails. Switches off HDF5's printing of its
+/// error stack, as create_hdf5() does: callers report a failure in one sentence.
 inline Hdf5Handle open_hdf5(const std::filesystem::path& file) {
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
   return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
 }
 
-/// Creates a file with a list of access properties; the handle is invalid if that fails. `mode`:
-/// H5F_ACC_TRUNC or H5F_ACC_EXCL.
+/// Creates a file with a list of access properties. Returns an invalid handle if that fails. `mode`:
+/// H5F_ACC_TRUNC (overwrite) or H5F_ACC_EXCL (fail if the file exists).
 inline Hdf5Handle create_hdf5(const std::filesystem::path& file, unsigned mode, hid_t access) {
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
   return {H5Fcreate(file.c_str(), mode, H5P_DEFAULT, access), H5Fclose};
 }
 
-/// Reason why a call of HDF5 failed: the text of errno if it was set since it was cleared, else `otherwise`.
+/// Reason why a call of HDF5 failed: the text of errno, or `otherwise` if errno is 0. Set errno to 0 before
+/// the call.
 inline std::string hdf5_failure(const std::string& otherwise = "HDF5 failed") {
   return errno != 0 ? std::generic_category().message(errno) : otherwise;
 }
 
-/// HDF5's type of numbers, or of the bytes of a text, in memory.
+/// HDF5's type for values of type T in memory: double, char (bytes of a text) or 64-bit integers.
 template <class T>
 hid_t native_type() {
   if constexpr (std::is_same_v<T, double>)
@@ -71,7 +72,8 @@ hid_t native_type() {
     return H5T_NATIVE_INT64;
 }
 
-/// Reads all of a dataset, row by row, into a vector or a text. Returns false if that fails.
+/// Reads a whole dataset, row by row, into a vector or a string, which is resized. Returns false if that
+/// fails.
 template <class Sequence>
 bool read_whole(hid_t dataset, Sequence& values) {
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
@@ -83,8 +85,8 @@ bool read_whole(hid_t dataset, Sequence& values) {
                                    H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// Data spaces of a row in a table and of its numbers in memory; the first is invalid if there is no such
-/// row.
+/// Returns two data spaces for a transfer of one row: the row in the table, and `columns` numbers in memory.
+/// The first is invalid if the table has no such row.
 inline std::array<Hdf5Handle, 2> row_spaces(hid_t table, std::size_t row, hsize_t columns) {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
   Hdf5Handle space(H5Dget_space(table), H5Sclose);
@@ -93,19 +95,20 @@ inline std::array<Hdf5Handle, 2> row_spaces(hid_t table, std::size_t row, hsize_
   return {std::move(space), Hdf5Handle(H5Screate_simple(1, &columns, nullptr), H5Sclose)};
 }
 
-/// Reads a row of a table. Returns false if that fails.
+/// Reads one row of a table of doubles into `values` (columns). Returns false if that fails.
 inline bool read_row(hid_t table, std::size_t row, std::span<double> values) {
   const auto [in_file, in_memory] = row_spaces(table, row, values.size());
   return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// Writes a row of a table. Returns false if that fails.
+/// Writes `values` (columns) to one row of a table of doubles. Returns false if that fails.
 inline bool write_row(hid_t table, std::size_t row, std::span<const double> values) {
   const auto [in_file, in_memory] = row_spaces(table, row, values.size());
   return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
 }
 
-/// Creates properties of datasets that two equal runs write with equal bytes.
+/// Creates a list of dataset properties without time stamps and fill values, so that equal runs write equal
+/// bytes.
 inline Hdf5Handle plain_layout() {
   Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
@@ -117,7 +120,8 @@ inline Hdf5Handle make_group(hid_t place, const char* name) {
   return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
-/// Writes a dataset of doubles or integers with the properties `layout`. Returns false if that fails.
+/// Creates a dataset of doubles or 64-bit integers with the property list `layout` and writes `values` to it.
+/// Returns false if that fails.
 template <class T>
 bool write_whole(hid_t place, const char* name, const std::vector<hsize_t>& shape, const T* values,
                  hid_t layout) {
@@ -128,7 +132,7 @@ bool write_whole(hid_t place, const char* name, const std::vector<hsize_t>& shap
   return set.finish() && written;
 }
 
-/// Rows and columns of a dataset; zeros unless it has two dimensions.
+/// Numbers of rows and columns of a dataset; both are zero unless the dataset has two dimensions.
 inline std::array<hsize_t, 2> shape(hid_t dataset) {
   std::array<hsize_t, 2> rows_columns{};
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);

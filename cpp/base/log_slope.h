@@ -6,8 +6,8 @@
 
 namespace signorini {
 
-/// Least-squares slope of log y over log x of points (x, y), the observed order of convergence. Not finite
-/// for fewer than two points.
+/// Least-squares slope of log y over log x for points (x, y): the observed order of convergence of y. Not
+/// finite for fewer than two points.
 inline double log_log_slope(const std::vector<std::pair<double, double>>& points) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const auto& [abscissa, ordinate] : points) {

@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/// OpenBLAS, where it is the BLAS.
+/// Present if the BLAS is OpenBLAS, else null (weak symbol).
 extern "C" void openblas_set_num_threads(int number) __attribute__((weak));
 
 namespace signorini {

@@ -3,7 +3,8 @@
 
 namespace signorini {
 
-/// A function of each type of a variant, for std::visit: a type without one does not compile.
+/// Visitor for std::visit that combines one function per type of a variant; a type without a function is a
+/// compile error.
 template <class... F>
 struct Overloads : F... {
   using F::operator()...;

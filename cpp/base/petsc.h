@@ -9,13 +9,14 @@
 /// Owning wrappers and helpers for PETSc objects.
 namespace signorini::petsc {
 
-/// Throws SolverFailure with PETSc's own message if `ierr` is an error, std::bad_alloc if memory ran out.
+/// Throws std::bad_alloc if the error code `ierr` means that memory ran out, and SolverFailure with PETSc's
+/// message for any other error.
 void check(PetscErrorCode ierr, std::source_location where = std::source_location::current());
 
-/// Makes PETSc keep its error messages for check() instead of printing a traceback.
+/// Makes PETSc store its error messages for check() instead of printing a traceback.
 void keep_error_messages();
 
-/// Sole owner of one PETSc object; converts to the PETSc handle wherever one is expected.
+/// Sole owner of one PETSc object; converts implicitly to the PETSc handle.
 template <class T, PetscErrorCode (*destroy)(T*)>
 class Handle {
 public:
@@ -30,7 +31,8 @@ public:
 
   operator T() const { return object_; }
 
-  /// Address for a PETSc function that creates an object; destroys the object owned before.
+  /// Returns the address that a PETSc function which creates an object writes to; first destroys the object
+  /// owned so far.
   T* put() {
     destroy(&object_);
     return &object_;
@@ -48,25 +50,26 @@ using NonlinearSolver = Handle<SNES, SNESDestroy>;
 using NullSpace = Handle<MatNullSpace, MatNullSpaceDestroy>;
 using IndexSet = Handle<IS, ISDestroy>;
 
-/// A vector of the same layout, entries zero. Collective.
+/// Creates a vector with the layout of `x` and zero entries. Collective.
 Vector zero_like(Vec x);
 
-/// A vector of the same layout and entries. Collective.
+/// Creates a copy of `x`. Collective.
 Vector copy(Vec x);
 
-/// A zero vector x of the layout for products matrix x (the columns'). Collective.
+/// Creates a zero vector by which `matrix` can be multiplied: it has the layout of the matrix's columns.
+/// Collective.
 Vector vector_of(Mat matrix);
 
-/// Sets out = a x + b y, whatever its values; `out` is neither x nor y. Collective.
+/// Sets out = a x + b y, whatever `out` contained (even NaN); `out` must be neither x nor y. Collective.
 void combine(Vec out, double a, Vec x, double b, Vec y);
 
-/// A series of vectors, one per time step.
+/// Vectors of a time series, one per time step.
 using Series = std::vector<Vector>;
 
-/// `count` zero vectors of the layout of `x`. Collective.
+/// Creates `count` zero vectors with the layout of `x`. Collective.
 Series zero_series(Vec x, std::size_t count);
 
-/// Access to this rank's entries of a vector during this object's lifetime.
+/// Scope guard that gives access to this rank's entries of a vector.
 template <class T, PetscErrorCode (*take)(Vec, T**), PetscErrorCode (*give_back)(Vec, T**)>
 class Array {
 public:
@@ -92,12 +95,12 @@ private:
 using ReadArray = Array<const PetscScalar, VecGetArrayRead, VecRestoreArrayRead>;
 using WriteArray = Array<PetscScalar, VecGetArray, VecRestoreArray>;
 
-/// Makes a vector use an array of this rank as its entries during this object's lifetime (VecPlaceArray); its
-/// own entries are unchanged afterwards.
+/// Scope guard that makes a vector use an array of this rank as its entries (VecPlaceArray). The destructor
+/// restores the vector's original entries, unchanged.
 class Placed {
 public:
-  /// `array`: as many entries as this rank owns of x; it must outlive this object. Writing through x is
-  /// allowed only if the array itself is not const.
+  /// `array` has one entry for each entry of x that this rank owns and must outlive this object. Write
+  /// through x only if the array itself is not const.
   Placed(Vec x, std::span<const double> array) : x_(x) { check(VecPlaceArray(x, array.data())); }
   ~Placed() { (void)VecResetArray(x_); }
   Placed(const Placed&) = delete;
@@ -108,7 +111,7 @@ private:
   Vec x_;
 };
 
-/// A column of a dense matrix as a vector to be read, borrowed during this object's lifetime. Collective.
+/// Scope guard that borrows a column of a dense matrix as a vector, for reading only. Collective.
 class Column {
 public:
   Column(Mat matrix, PetscInt j) : matrix_(matrix), j_(j) {
@@ -125,32 +128,33 @@ private:
   Vec column_ = nullptr;
 };
 
-/// The scalar matrix that a matrix of type MAIJ applies to each component, borrowed; null for other types.
+/// Returns the scalar matrix that a MAIJ matrix applies to each component, or null for other types. The
+/// caller must not destroy it.
 Mat component(Mat matrix);
 
-/// Memory of the entries and indices of a sparse matrix on all ranks, bytes. Collective.
+/// Memory of the stored entries and indices of a sparse matrix, summed over all ranks, bytes. Collective.
 double bytes(Mat matrix);
 
-/// x·y. Collective.
+/// Inner product x·y. Collective.
 double dot(Vec x, Vec y);
 
-/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖, the scale of its rounding error where terms
-/// cancel.
+/// Sum of inner products x·y, together with the sum of their bounds ‖x‖ ‖y‖. `size` is the scale of the
+/// rounding error of `value`, even where terms cancel.
 struct Pairing {
   double value = 0, size = 0;
 
   /// Adds x·y. Collective.
   void add(Vec x, Vec y);
-  /// Distance of `other`, the same sum computed differently, from the value, in units of the size.
+  /// |other − value| / size, where `other` is the same sum computed in another way; 0 if both are equal.
   [[nodiscard]] double defect(double other) const;
 };
 
-/// The MPI communicator of a PETSc object. Not collective.
+/// MPI communicator of a PETSc object. Not collective.
 MPI_Comm comm(PetscObject object);
 inline MPI_Comm comm(Vec x) { return comm(reinterpret_cast<PetscObject>(x)); }
 inline MPI_Comm comm(Mat x) { return comm(reinterpret_cast<PetscObject>(x)); }
 
-/// Sets the option `-name_key value` of the solver with the prefix `name_` unless the user has set it.
+/// Sets the PETSc option `-name_key` to `value` unless the user has set this option.
 void default_option(const char* name, const char* key, const char* value);
 
 } // namespace signorini::petsc

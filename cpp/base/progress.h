@@ -8,10 +8,10 @@
 
 namespace signorini {
 
-/// Writes text at once. Output to a closed pipe is discarded.
+/// Writes text to a stream and flushes the stream. Output to a closed pipe is discarded.
 void print_text(std::FILE* stream, std::string_view text);
 
-/// Console output of a run: only rank 0 writes, and only if the run is not quiet.
+/// Console output of a run. Only rank 0 writes, and only if the run is not quiet.
 class Console {
 public:
   /// `speaks`: whether this rank writes; `terminal`: whether to draw progress bars (on stderr).
@@ -27,17 +27,18 @@ private:
   bool speaks_, terminal_;
 };
 
-/// Progress of a loop of known length: on a terminal a bar with the estimated time left, otherwise a line at
-/// every tenth.
+/// Shows the progress of a loop of known length, with the estimated time left: as a bar on a terminal,
+/// otherwise as one line per tenth of the loop.
 class Progress {
 public:
-  /// `from`: iterations done before, which do not count for the estimated time. `console` must outlive this.
+  /// `total`: number of iterations; `from`: iterations that an earlier run has done, which do not enter the
+  /// time estimate. `console` must outlive this object.
   Progress(const Console& console, std::string label, std::size_t total, std::size_t from = 0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows that `done` of `total` iterations are done, followed by `note`.
+  /// Shows that `done` of `total` iterations are complete, with `note` at the end of the line.
   void update(std::size_t done, const std::string& note = {});
 
 private:

@@ -18,8 +18,8 @@ std::filesystem::path scratch_folder() {
   return given && *given ? given : "/var/tmp";
 }
 
-/// A dataset (rows × columns), chunked by rows and without a cache, so that a write that fails does so in
-/// write() and not later.
+/// Creates a dataset (rows × columns), chunked by rows and without a cache, so that a failing write fails
+/// within write() and not later.
 Hdf5Handle make_table(hid_t file, hsize_t rows, hsize_t columns) {
   const std::array<hsize_t, 2> shape{rows, columns}, chunk{1, columns};
   const Hdf5Handle space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
@@ -50,8 +50,8 @@ void require_temporary_folder() {
       error = std::error_code(errno, std::generic_category());
     if (error)
       throw UserError(
-          fmt::format("{}: found the folder {}, which cannot be written ({}); name one for temporary "
-                      "files that can, or unset {}",
+          fmt::format("{}: the folder {} for temporary files is not writable ({}); name a writable folder, "
+                      "or unset {}",
                       name, folder, error.message(), name));
     return;
   }
@@ -97,8 +97,7 @@ void ScratchFile::read(std::size_t row, std::span<double> values) const {
 
 void ScratchFile::fail(const char* what) const {
   throw WriteFailure(fmt::format(
-      "{}: the states of a motion, {:.3g} MB, cannot be {} there ({}); TMPDIR names "
-      "another folder for them",
+      "{}: the states of a motion, {:.3g} MB, cannot be {} there ({}); set TMPDIR to another folder for them",
       folder_.string(), sizeof(double) * 1e-6 * static_cast<double>(rows_ * columns_), what, hdf5_failure()));
 }
 

@@ -6,17 +6,17 @@
 
 namespace signorini {
 
-/// Table of numbers on disk, private to this process: an HDF5 file that is unlinked once it is open, so that
-/// it is removed however the process ends. It is in $TMPDIR, else in /var/tmp, since /tmp may be in memory.
-/// Not collective.
+/// Table of doubles on disk, private to this process: an HDF5 file in $TMPDIR or, if that is not set, in
+/// /var/tmp, since /tmp may be in memory. The file is unlinked as soon as it is open, so that it disappears
+/// however the process ends. Not collective.
 class ScratchFile {
 public:
   /// Creates an empty table (rows × columns). Throws WriteFailure.
   ScratchFile(std::size_t rows, std::size_t columns);
 
-  /// Writes one row (columns). Throws WriteFailure, for example if the disk is full.
+  /// Writes one row (columns). Throws WriteFailure if that fails, for example because the disk is full.
   void write(std::size_t row, std::span<const double> values);
-  /// Reads one row (columns) that was written before. Throws WriteFailure.
+  /// Reads one row (columns) that write() has written. Throws WriteFailure if that fails.
   void read(std::size_t row, std::span<double> values) const;
 
 private:
@@ -28,8 +28,8 @@ private:
   Hdf5Handle file_, table_;
 };
 
-/// Throws UserError if the folder of TMPDIR, TEMP or TMP is missing and cannot be made, or cannot be written:
-/// Open MPI crashes there. Call it before MPI starts.
+/// Creates the folder named by TMPDIR, TEMP or TMP if necessary. Throws UserError if that fails or the folder
+/// is not writable, for Open MPI would crash. Call this function before MPI starts.
 void require_temporary_folder();
 
 } // namespace signorini

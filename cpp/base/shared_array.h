@@ -8,8 +8,9 @@
 
 namespace signorini {
 
-/// An array whose copies share the values until one of them is written, so that copies cost nothing. A span
-/// for writing is valid until the array is next copied. Not for writing from several threads.
+/// Array whose copies share their values until one copy is written (copy on write), so that copying is cheap.
+/// The span that write() returns is valid until the array is next copied. Several threads must not write at
+/// once.
 template <class T>
 class SharedArray {
 public:

@@ -6,12 +6,13 @@
 namespace signorini {
 
 /// Makes SIGINT, SIGTERM and SIGUSR1 request a stop of the run at the next safe point instead of ending the
-/// process. The same signal a second time ends it at once. Use SIGUSR1 with mpirun, which forwards it to its
-/// ranks; at the others mpirun kills them.
+/// process. A second signal of the same kind ends the process at once. Under mpirun use SIGUSR1, which mpirun
+/// forwards to its ranks; on SIGINT and SIGTERM it kills them.
 void catch_stop_signals();
 
-/// Scope guard for a library within a program that has signal handlers of its own: SIGINT requests a stop,
-/// however often it comes; the destructor restores the previous handler. One at a time.
+/// Scope guard for use as a library, in a program with signal handlers of its own. SIGINT requests a stop,
+/// however often it arrives, unless the program ignores SIGINT; the destructor restores the previous handler.
+/// Only one guard may exist at a time.
 class StopOnInterrupt {
 public:
   StopOnInterrupt();
@@ -26,20 +27,20 @@ private:
   bool released_ = false;
 };
 
-/// Requests a stop, as the signals do.
+/// Requests a stop of the run, as the signals of catch_stop_signals() do.
 void request_stop();
 
-/// Makes writes to a closed pipe fail instead of ending the process.
+/// Ignores SIGPIPE, so that a write to a closed pipe fails instead of ending the process.
 void ignore_broken_pipes();
 
-/// Requests a stop of the run `seconds` from now (s, above 0).
+/// Starts a timer that requests a stop of the run after `seconds` (s, above 0).
 void stop_after(double seconds);
-/// Whether the time of stop_after() is over on any rank. Collective.
+/// Whether the timer of stop_after() has expired on any rank. Collective.
 bool time_is_up(MPI_Comm comm);
-/// Cancels stop_after(), and the stop that it has requested.
+/// Cancels the timer of stop_after() and the stop that it has requested.
 void forget_deadline();
 
-/// Whether a stop of this process was requested.
+/// Whether a signal, request_stop() or stop_after() has requested a stop of this process. Not collective.
 bool stop_requested();
 /// Whether a stop was requested on any rank. Collective.
 bool stop_requested(MPI_Comm comm);

@@ -41,7 +41,7 @@ namespace {
   throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
-/// Reads until the other end is closed; returns nothing if a stop was requested meanwhile.
+/// Reads from the descriptor until its other end is closed; returns nothing if a stop is requested meanwhile.
 std::optional<std::string> read_all(int file) {
   constexpr int look = 100; // ms between two checks for such a request
   std::string text;
@@ -61,7 +61,8 @@ std::optional<std::string> read_all(int file) {
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
-/// Writes a request to a file without a name. A pipe would break if the process ended before it has read all.
+/// Writes a request to an unnamed temporary file: a pipe would break if the program ended before it had read
+/// everything.
 File request_file(const std::string& request) {
   File file(std::tmpfile(), &std::fclose);
   if (!file || !write_all(fileno(file.get()), request) || lseek(fileno(file.get()), 0, SEEK_SET) != 0)
@@ -69,8 +70,8 @@ File request_file(const std::string& request) {
   return file;
 }
 
-/// Starts a program in a process group of its own, which can be killed as a whole. It inherits only the
-/// request and one end of a pipe.
+/// Starts a program in a process group of its own, which can be killed as a whole. The program inherits only
+/// the request and the writing end of the answer's pipe.
 pid_t start(const std::filesystem::path& program, int request, int answer, unsigned seconds) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -142,7 +143,7 @@ std::filesystem::path own_folder() {
     file = "/proc/self/exe";
   file = std::filesystem::canonical(file, missing);
   if (missing)
-    throw std::runtime_error("the place of the running program is not known");
+    throw std::runtime_error("the path of the running program cannot be determined");
   return file.parent_path();
 }
 
@@ -163,7 +164,7 @@ std::filesystem::path find_program(const std::string& name) {
       return program;
     tried += (tried.empty() ? "" : ", ") + program.string();
   }
-  throw std::runtime_error(fmt::format("the program {} is not where it is expected: {}", name, tried));
+  throw std::runtime_error(fmt::format("the program {} was not found; paths tried: {}", name, tried));
 }
 
 } // namespace signorini

@@ -6,26 +6,28 @@
 
 namespace signorini {
 
-/// Runs a program in a process of its own, with `request` as its standard input: for libraries that may crash
-/// or corrupt their memory. The program's first argument is `seconds`, or 0, to which it limits its processor
-/// time. Returns the answer; "" if the process exited without one, nothing if it crashed or took more than
-/// `seconds` of processor time. This process is not copied (fork), which MPI does not allow once it has
-/// started. Not collective; on one thread at a time. Throws std::runtime_error if no process can be started,
-/// Interrupted if a stop was requested meanwhile; the process is then killed with all that it started.
+/// Runs a program in a separate process: for libraries that may crash or corrupt their memory. The program
+/// reads `request` from its standard input and writes its answer to the descriptor answer_file. Its only
+/// argument is `seconds`, or 0 if absent, to which it limits its own processor time. Returns the answer, ""
+/// if the program exited with an error, and nothing if it crashed or exceeded its processor time. Does not
+/// copy this process (fork), which MPI forbids after its start. Not collective; call it from one thread at a
+/// time. Throws std::runtime_error if no process can be started. Throws Interrupted if a stop is requested
+/// meanwhile, after killing the program and all processes that it started.
 std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds = {});
 
-/// Writes all of a text to a descriptor. Returns false, with errno, if that fails.
+/// Writes a whole text to a file descriptor. Returns false and sets errno if that fails.
 bool write_all(int file, const std::string& text);
 
-constexpr int answer_file = 3; ///< the descriptor to which such a program writes its answer
+constexpr int answer_file = 3; ///< descriptor to which a program run by in_subprocess() writes its answer
 
-/// The folder of the running code, a program or a shared library. Throws std::runtime_error.
+/// Folder of the file that contains the running code, a program or a shared library. Throws
+/// std::runtime_error.
 std::filesystem::path own_folder();
 
-/// Finds the program of this name: beside the running code, in the folder of its build, or in
-/// libexec/signorini of its installation prefix. Else it is sought in prefixes whose programs are on PATH.
-/// Throws std::runtime_error.
+/// Finds the program `name`: beside the running code, in the build folder of that code or in
+/// libexec/signorini of its installation prefix. If it is in none of these, searches libexec/signorini of the
+/// prefixes whose bin folder is on PATH. Throws std::runtime_error if the program is not found.
 std::filesystem::path find_program(const std::string& name);
 
 } // namespace signorini

@@ -6,20 +6,21 @@
 
 namespace signorini {
 
-/// A point as text for messages: its first `dim` coordinates, m, with six significant digits.
+/// Formats a point for messages: its first `dim` coordinates, in the unit of `x`, with six significant
+/// digits.
 std::string point_text(const double* x, int dim = 3);
 
-/// The names as "a, b, c".
+/// Joins names as "a, b, c".
 std::string list(const std::vector<std::string>& names);
 
-/// Edit distance (Levenshtein).
+/// Levenshtein distance: the least number of inserted, deleted or replaced bytes that turns `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The valid name with the least edit distance from `found`; empty if none is close.
+/// Valid name with the least edit distance from `found`, for spelling suggestions; empty if none is similar.
 std::string nearest(std::string_view found, const std::vector<std::string>& valid);
 
-/// The nearest valid name as a question that follows what was found, ` (did you mean "x"?)`; empty if none is
-/// close.
+/// Suggestion for a message, to follow the misspelt name `found`: ` (did you mean "x"?)`; empty if no valid
+/// name is similar.
 std::string suggestion(std::string_view found, const std::vector<std::string>& valid);
 
 } // namespace signorini

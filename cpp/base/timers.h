@@ -6,7 +6,7 @@
 
 namespace signorini {
 
-/// Wall-clock seconds and number of calls per named phase of a run.
+/// Wall-clock time, s, and number of calls of each named phase of a run.
 class Timers {
 public:
   struct Entry {
@@ -14,7 +14,8 @@ public:
     long calls = 0;
   };
 
-  /// Adds the time of its lifetime to one phase, without that of phases nested in it.
+  /// Scope guard that adds the time of its lifetime to one phase. The time of phases nested in it is not
+  /// counted.
   class Scope {
   public:
     Scope(Timers& timers, Entry& entry);
@@ -31,7 +32,7 @@ public:
     std::chrono::steady_clock::time_point start_;
   };
 
-  /// Starts a phase, which ends with the Scope returned; the Timers must outlive it.
+  /// Starts a phase, which ends when the returned Scope is destroyed; the Timers must outlive the Scope.
   [[nodiscard]] Scope time(const std::string& phase) { return {*this, entries_[phase]}; }
   [[nodiscard]] const std::map<std::string, Entry>& entries() const { return entries_; }
 
@@ -40,12 +41,12 @@ private:
   Scope* running_ = nullptr;
 };
 
-/// Returns the counter `name` of this process, zero at first. run.json lists the counters, to show that an
-/// effect that is off costs nothing. The reference stays valid: take it once before a loop, so that counting
-/// costs an increment. Not collective.
+/// Returns this process's counter `name`, which starts at zero. run.json lists all counters, to show that an
+/// effect that is off costs nothing. The reference stays valid: get it once before a loop, so that counting
+/// costs one increment. Not collective.
 long& count(const std::string& name);
 
-/// All counters of this process, by name. Not collective.
+/// Returns all counters of this process, by name. Not collective.
 const std::map<std::string, long>& counts();
 
 } // namespace signorini

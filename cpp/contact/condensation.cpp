@@ -13,7 +13,7 @@ using petsc::check;
 
 namespace {
 
-/// x ← L⁻¹ x or L⁻ᵀ x with a dense lower triangular L.
+/// Solves with a dense lower triangular L in place: replaces x by L⁻¹ x or, for `transposed` = "T", by L⁻ᵀ x.
 void triangular(const std::vector<double>& L, const char* transposed, std::span<double> x) {
   const auto n = static_cast<PetscBLASInt>(x.size());
   const PetscBLASInt one = 1;
@@ -21,8 +21,8 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
     BLAStrsv_("L", transposed, "N", &n, L.data(), &n, x.data(), &one);
 }
 
-/// Columns of H solved at a time: enough for MUMPS to work by dense products, few enough for the block to
-/// take little memory beside the factor.
+/// Number of columns of H that are solved for at once: enough for MUMPS to use dense products, few enough to
+/// take little memory in comparison with the factor.
 constexpr int block = 64;
 
 HalfSolve half_solve_by_columns(Vec layout, int rows) {
@@ -35,8 +35,9 @@ HalfSolve half_solve_by_columns(Vec layout, int rows) {
   return made;
 }
 
-/// Computes y = D⁻¹ (r − Hλ) from the solution for the multipliers half_solve.reference, by columns of D⁻¹H.
-/// If one of them is not stored, takes another solve, from the guess y.
+/// Computes y = D⁻¹ (r − Hλ) from half_solve.y, the solution for the multipliers half_solve.reference, by
+/// adding columns of D⁻¹H. If a column that is needed is not stored, solves with D instead, starting from the
+/// guess y.
 void finish_by_columns(const ConstraintRows& rows, const petsc::Series& stored, const LinearSolver& D,
                        HalfSolve& half_solve, std::span<const double> lambda, Vec y) {
   std::vector<double>& weights = half_solve.weights;

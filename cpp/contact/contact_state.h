@@ -8,53 +8,55 @@
 
 namespace signorini::contact {
 
-/// Status of a candidate after a step, docs/method.md section 4: A = S ∪ W.
+/// Status of a candidate after a step (docs/method.md section 4); strongly and weakly active candidates form
+/// the active set A = S ∪ W.
 enum class Status : std::uint8_t {
   open,   ///< g > 0
-  weak,   ///< W: g = 0 and λ = 0
-  strong, ///< S: g = 0 and λ > 0, its own or, if linearly dependent, that of others of its node
+  weak,   ///< in W: g = 0 and λ = 0
+  strong, ///< in S: g = 0 and λ > 0, or linearly dependent on other candidates of its node with λ > 0
 };
 
-/// Name of a status in tables.
+/// Name of a status as written in tables.
 [[nodiscard]] constexpr const char* name(Status status) {
   return status == Status::open ? "open" : status == Status::weak ? "weak" : "strong";
 }
 
-/// Largest penetration allowed for a body of the given diameter, m.
+/// Largest penetration accepted for a body of the given diameter (both in m).
 [[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
 
-/// Numbers of the candidates in contact, ascending.
+/// Numbers of the candidates (or groups) in contact, ascending.
 using ActiveSet = std::vector<int>;
 
-/// A linear equation E U + F ρ = c between the gaps and multipliers of a group of k ≤ 3 rows, in place of
-/// its law.
+/// Linear equation E U + F ρ = c for the gaps U and multipliers ρ of a group of k ≤ 3 rows, which replaces
+/// the group's contact law.
 struct LawEquation {
   std::array<double, 9> E{}, F{}; ///< (k × k), row by row
   std::array<double, 3> c{};
 };
 
-/// Contact data of a step on which its derivative and the next step depend, the same on every rank. Its size
-/// grows with the number of candidates in contact, not with m.
+/// Contact data of a step that its derivative and the next step need; the same on every rank. The size of the
+/// data grows with the number of candidates in contact, not with the number m of all candidates.
 struct ContactLinearisation {
-  ActiveSet active;           ///< A = S ∪ W
-  std::vector<double> forces; ///< ρ of the active groups' rows, τ²/2 times the nodal contact forces
-  /// Linearised laws of the active groups; empty if all laws are symmetric (λ free, g = 0).
+  ActiveSet active;           ///< active set A = S ∪ W
+  std::vector<double> forces; ///< ρ of all rows of active groups: τ²/2 times the nodal contact forces
+  /// Linearised contact laws of the active groups. Empty if all laws are symmetric (then λ is free and g =
+  /// 0).
   std::vector<LawEquation> equations;
-  ActiveSet weak{};      ///< W
-  ActiveSet predictor{}; ///< Z: candidates that the projected predictor touches; contact-stabilized only
+  ActiveSet weak{};      ///< weakly active candidates W
+  ActiveSet predictor{}; ///< Z: candidates that the projected predictor touches (contact-stabilized)
 };
 
-/// Contact after one step.
+/// Contact data of one step for all candidates.
 struct ContactState : ContactLinearisation {
-  std::vector<double> lambda; ///< ρ of all constraint rows; the first m rows are the normals
-  std::vector<double> gap;    ///< U of all constraint rows, m
+  std::vector<double> lambda; ///< multipliers ρ of all constraint rows; the first m rows are the normal ones
+  std::vector<double> gap;    ///< gaps U of all constraint rows, m
   std::vector<Status> status; ///< status of each candidate
-  int vi_iterations = 0; ///< (primal-dual) Newton steps to find the active set; 0 if the first one was right
+  int vi_iterations = 0; ///< (primal-dual) Newton steps that led to the active set; 0 if the guess was right
 
-  /// Sets all m candidates open, with one row each. Reserves room for every active set, so that steps do not
-  /// allocate.
+  /// Sets all m candidates to open, with one row for each. Reserves memory for every possible active set, so
+  /// that steps do not allocate.
   explicit ContactState(int m = 0) : ContactState(m, m) {}
-  /// Sets all m candidates open, with `rows` constraint rows in all.
+  /// Sets all m candidates to open, with `rows` constraint rows in total.
   ContactState(int m, int rows)
       : lambda(static_cast<std::size_t>(rows)), gap(static_cast<std::size_t>(rows)),
         status(static_cast<std::size_t>(m), Status::open) {
@@ -64,14 +66,14 @@ struct ContactState : ContactLinearisation {
     predictor.reserve(static_cast<std::size_t>(m));
   }
 
-  /// λ_i ≥ 0 of the m candidates, τ²/2 times the normal contact forces.
+  /// Normal multipliers λ_i ≥ 0 of the m candidates: τ²/2 times the normal contact forces.
   [[nodiscard]] std::span<const double> normal_lambda() const {
     return std::span(lambda).first(status.size());
   }
-  /// Gaps g_i of the m candidates, in metres.
+  /// Normal gaps g_i of the m candidates, m.
   [[nodiscard]] std::span<const double> normal_gap() const { return std::span(gap).first(status.size()); }
 
-  /// The part that outlives the step.
+  /// The part of this state that is kept after the step.
   [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }
 
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }

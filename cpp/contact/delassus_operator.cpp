@@ -11,7 +11,7 @@
 namespace signorini::contact {
 
 namespace {
-constexpr double to_rounding = 10; ///< in units of the last place
+constexpr double to_rounding = 10; ///< tolerance of refinement, in units of the machine epsilon
 }
 
 DelassusOperator::DelassusOperator(const ConstraintRows& rows,
@@ -153,8 +153,8 @@ void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace
 
 namespace {
 
-/// Visits the rows of a set of groups: visit(place, group, equation, c) for row c of a group, with the place
-/// of the row among those visited and the equation of the group.
+/// Calls visit(position, group, equation, c) for each row c of the groups of a set. `position` counts the
+/// calls, `equation` is that of the group.
 template <class Visit>
 void for_each_row(const ConstraintRows& rows, const ActiveSet& set, std::span<const LawEquation> equations,
                   Visit&& visit) {

@@ -4,72 +4,76 @@
 
 namespace signorini::contact {
 
-/// The Delassus operator S = HᵀD⁻¹H: the step operator D condensed to the contact candidates (docs/method.md
-/// section 5).
+/// The Delassus operator S = HᵀD⁻¹H, which condenses the step operator D to the contact candidates
+/// (docs/method.md section 5).
 class DelassusOperator {
 public:
-  /// Takes the condensation of D to `rows`, which must outlive this object. Collective.
+  /// Takes a condensation of D for `rows`, which must outlive this object. Collective.
   DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Condensation> condensation);
 
-  /// Whether all columns of S are known.
+  /// Whether all columns of S have been computed.
   [[nodiscard]] bool complete() const { return condensation_->complete(); }
-  /// Column S_·row. If S is incomplete the row must be prepared; the solves below prepare the rows of sets. S
-  /// is symmetric, the same on every rank, and singular if candidates are linearly dependent.
+  /// Column of S that belongs to a row of H, the same on every rank. If complete() is false, prepare() must
+  /// have computed the column; the solves below do this for the rows of their sets. S is symmetric, and
+  /// singular if candidates are linearly dependent.
   [[nodiscard]] std::span<const double> column(int row) const { return condensation_->column(row); }
-  /// Computes columns of an incomplete S. Collective. Throws SolverFailure.
+  /// Computes the columns of S for the given rows that have not been computed yet. Collective. Throws
+  /// SolverFailure.
   void prepare(std::span<const int> rows) const { condensation_->prepare(rows); }
 
-  /// S⁻¹ of a complete S. Throws SolverFailure if S is singular.
+  /// Returns S⁻¹ (rows × rows); complete() must be true. Throws SolverFailure if S is singular.
   [[nodiscard]] std::vector<double> inverse() const;
 
-  /// b ← S_AA⁻¹ b for an independent `set` A; b has one entry per candidate of the set, and is the same on
-  /// every rank on return. Collective. Throws SolverFailure if S_AA is singular.
+  /// Replaces b by S_AA⁻¹ b for a linearly independent `set` A. b has one entry per candidate of the set, and
+  /// is the same on every rank afterwards. Collective. Throws SolverFailure if S_AA is singular.
   void solve_active(const ActiveSet& set, std::span<double> b, Workspace& work) const;
 
-  /// Solves (E S + F) ρ = b in place, or the transposed system, for the `equations` of a set of groups; b has
-  /// an entry for each of their rows, group by group, and is the same on every rank on return. Collective.
-  /// Throws SolverFailure.
+  /// Solves (E S + F) ρ = b or, if `transposed`, the transposed system, for the `equations` of a set of
+  /// groups. b has one entry for each row of the groups, group by group; it is replaced by the solution,
+  /// which is the same on every rank. Collective. Throws SolverFailure.
   void solve_equations(const ActiveSet& set, std::span<const LawEquation> equations, bool transposed,
                        std::span<double> b, Workspace& work) const;
 
   [[nodiscard]] Workspace workspace() const;
 
-  /// Predicted gaps g⁰ = g(D⁻¹r), in metres, for the given ψ. Collective. Throws SolverFailure.
+  /// Computes the predicted gaps g⁰ = g(D⁻¹r), m, for the given ψ (m), and stores the first half of the solve
+  /// in `half_solve`. Collective. Throws SolverFailure.
   void predict_gap(Vec r, const Guess& guess, std::span<const double> psi, std::span<double> gap,
                    HalfSolve& half_solve) const;
 
-  /// Solves D y = r − Hλ with g(y) = 0 on an independent `set` and λ = 0 elsewhere, for the r of
-  /// `work.half_solve` and the given ψ (m). On entry `lambda` (m) is the λ found from the predicted gaps, on
-  /// return it is refined until the gaps on the set vanish to rounding; `gap` (m) becomes g(y).
-  /// Collective. Throws SolverFailure.
+  /// Solves D y = r − Hλ with g(y) = 0 on a linearly independent `set` and λ = 0 elsewhere. r comes from
+  /// `work.half_solve`, ψ (m) is given. On entry `lambda` contains the λ computed from the predicted gaps; it
+  /// is refined until the gaps on the set vanish to rounding. `gap` becomes g(y), m. Collective. Throws
+  /// SolverFailure.
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
                      std::span<double> gap, Vec y, Workspace& work) const;
 
-  /// Second half of a solve, with the multipliers known; `gap` becomes g(y). Collective. Throws
-  /// SolverFailure.
+  /// Second half of a solve for given multipliers: computes y = D⁻¹ (r − Hλ) for the r of `work.half_solve`;
+  /// `gap` becomes g(y), m. Collective. Throws SolverFailure.
   void finish(std::span<const double> psi, std::span<const double> lambda, std::span<double> gap, Vec y,
               Workspace& work) const;
 
-  /// Solves a linearised step; solve_transposed() solves its transpose. Collective. Both throw SolverFailure.
+  /// Solves a linearised step; solve_transposed() solves the transposed step. Collective. Both throw
+  /// SolverFailure.
   void solve_linearised(const LinearisedContact& step, Workspace& work) const;
   void solve_transposed(const LinearisedContact& step, Workspace& work) const;
 
-  /// Memory on all ranks, bytes. Collective.
+  /// Memory of S and the condensation on all ranks, in addition to D's factor, bytes. Collective.
   [[nodiscard]] double bytes() const;
 
 private:
-  /// Does solve_active() on this rank alone.
+  /// Does the work of solve_active() on this rank alone.
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
-  /// Does finish_closed(), returning Hᵀy (m) in `motion` instead of gaps. `digits`: error of Hᵀy allowed on
-  /// the set, in units in the last place of the largest.
+  /// Like finish_closed(), but returns Hᵀy instead of the gaps, in `motion`. Refines until the error of Hᵀy
+  /// on the set is at most `digits` times the machine epsilon times the largest entry of Hᵀy and ψ.
   void close(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
              std::span<double> motion, Vec y, Workspace& work, double digits) const;
-  /// Solves a linearised step whose laws are not symmetric, or its transpose.
+  /// Solves a linearised step whose laws are not symmetric or, if `transposed`, its transpose.
   void solve_by_equations(const LinearisedContact& step, bool transposed, Workspace& work) const;
 
   const ConstraintRows& rows_;
   std::unique_ptr<const Condensation> condensation_;
-  const std::vector<double> zero_; ///< zeros, one per row
+  const std::vector<double> zero_; ///< zeros, one for each row
 };
 
 } // namespace signorini::contact

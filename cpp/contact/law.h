@@ -5,7 +5,7 @@
 
 namespace signorini::contact {
 
-/// Row c of a (k × k) matrix of an equation, or of its transpose, times x.
+/// Row c of A x or, if `transposed`, of Aᵀ x, for a (k × k) matrix A of a LawEquation.
 [[nodiscard]] inline double times(const std::array<double, 9>& A, std::size_t k, std::size_t c,
                                   const std::array<double, 3>& x, bool transposed = false) {
   double sum = 0;
@@ -14,49 +14,51 @@ namespace signorini::contact {
   return sum;
 }
 
-/// The law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
-/// contact only through it. Spans have an entry for each row of the group, the normal one first.
+/// Contact law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
+/// contact laws only through this interface. Spans have one entry for each row of the group, with the normal
+/// row first.
 class Law {
 public:
   virtual ~Law() = default;
 
-  /// Whether an active group is one row whose gap is closed, whatever its multiplier: active sets then
-  /// describe the law, and its systems are symmetric.
+  /// Whether a group has one row, which in contact has the gap zero and any multiplier. Then the active set
+  /// describes the law completely, and the linear systems are symmetric.
   [[nodiscard]] virtual bool symmetric() const = 0;
 
-  /// Whether a group with these gaps needs no multipliers.
+  /// Whether a group with the gaps U (m), computed without its multipliers, needs no multipliers.
   [[nodiscard]] virtual bool open(std::span<const double> U) const = 0;
 
-  /// Whether a row of a symmetric law is closed after a primal-dual step that found λ and g; `closed`:
-  /// whether it was closed in this step.
+  /// Whether the row of a symmetric law belongs to the next active set, after a primal-dual step with the
+  /// result `lambda` and `gap`. `closed`: whether the row was in the active set of this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Sets the equation of a Newton step from (ρ, U), where a unit multiplier changes its gap by `compliance`.
-  /// Returns false if the group is open, ρ = 0.
+  /// Sets the equation for a Newton step from (ρ, U). `compliance`: change of the normal gap by a unit of the
+  /// normal multiplier. Returns false if the group is open, that is ρ = 0.
   [[nodiscard]] virtual bool next(std::span<const double> rho, std::span<const double> U, double compliance,
                                   LawEquation& equation) const = 0;
 
-  /// Whether ρ and U obey the law, where multipliers up to `force` and gaps up to `gap` count as zero.
+  /// Whether ρ and U satisfy the law; multipliers up to `force` and gaps up to `gap` (m) count as zero.
   [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double force,
                                    double gap) const = 0;
 
-  /// Status of a group whose law is satisfied; multipliers up to `force` and gaps up to `gap` count as zero.
+  /// Status of a group that satisfies its law; multipliers up to `force` and gaps up to `gap` (m) count as
+  /// zero.
   [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
                                       double gap) const = 0;
 
-  /// The law of an active group linearised at its solution, E δU + F δρ = c with c = 0.
+  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = c, with c = 0.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho,
                                                std::span<const double> U) const = 0;
 
-  /// Whether a weak row of a symmetric law is closed after a step of the one-sided derivative that found δλ
-  /// and the approach −δg; `closed`: whether it was closed in this step. Multipliers up to `force` and
-  /// motions up to `motion` count as zero.
+  /// Whether a weakly active row of a symmetric law belongs to the next closed set, after a step of the
+  /// one-sided derivative with the result δλ = `lambda` and −δg = `approach`. `closed`: whether the row was
+  /// closed in this step. Multipliers up to `force` and motions up to `motion` count as zero.
   [[nodiscard]] virtual bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                                    double motion) const = 0;
 };
 
-/// Contact without friction: 0 ≤ λ ⟂ g ≥ 0 (Hintermüller, Ito, Kunisch 2003), and for weak rows
-/// 0 ≤ δλ ⟂ δg ≥ 0.
+/// Contact without friction: 0 ≤ λ ⟂ g ≥ 0 (Hintermüller, Ito, Kunisch 2003). To first order a weakly active
+/// row obeys 0 ≤ δλ ⟂ δg ≥ 0.
 class Unilateral final : public Law {
 public:
   [[nodiscard]] bool symmetric() const override { return true; }

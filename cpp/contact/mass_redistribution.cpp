@@ -22,24 +22,24 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// A contact node owned by this rank, and the nodes within one, two and three rings of elements around it.
+/// Contact node that this rank owns, with the nodes within one, two and three rings of elements around it.
 struct Surroundings {
   static constexpr int rings = 3;
-  int candidate; ///< the first one of the node
+  int candidate; ///< the first candidate of the node
   std::array<std::vector<PetscInt>, rings> nodes;
 };
 
-/// Conditions on an extrapolation: exact for linear fields, or for constants only; and a bound on the sum of
-/// absolute weights. That sum is 3 for two nodes in a row behind a surface, 9 behind an edge, 27 behind a
-/// corner.
+/// Requirements on an extrapolation: that it is exact for linear fields or only for constants, and a bound on
+/// the sum of absolute weights. This sum is 3 for two nodes in a row behind a surface, 9 behind an edge and
+/// 27 behind a corner.
 struct Requirement {
   bool linear;
   double cancellation;
 };
 constexpr Requirement requirements[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
 
-/// Weights of the nodes `around` that extrapolate fields to `x`, larger for nearer nodes; empty if
-/// `requirement` cannot be met.
+/// Weights with which the nodes `around` extrapolate fields to `x`; nearer nodes have larger weights. Empty
+/// if the requirement cannot be met.
 std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim,
                                   Requirement requirement) {
   const auto n = static_cast<std::size_t>(requirement.linear ? dim + 1 : 1);
@@ -128,7 +128,7 @@ std::vector<Surroundings> surroundings(const ContactPairs& pairs, const std::vec
   return found;
 }
 
-/// Coordinates of the surrounding nodes, those of other ranks too. Collective.
+/// Coordinates of all surrounding nodes, also of those on other ranks, by node number, m. Collective.
 std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surroundings>& all) {
   const int dim = space.dim();
   std::set<PetscInt> nodes;
@@ -161,9 +161,9 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
   return places;
 }
 
-/// Whether each pair's node can touch its obstacle: whether a facet of the boundary there faces it. The nodes
-/// of a plate's upper side never touch a floor, and receive the mass of the lower side. True for nodes within
-/// the body, where this is unknown. Collective.
+/// Whether the node of each pair can touch the obstacle: whether a facet of the boundary at the node faces
+/// the obstacle. For example, nodes on a plate's upper side never touch a floor, and take the mass of the
+/// lower side. True for nodes inside the body, where no facet is known. Collective.
 std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
   const auto dim = static_cast<std::size_t>(pairs.dim()), count = static_cast<std::size_t>(pairs.count());
   std::map<PetscInt, const ConstraintRows::Cluster*> in_pairs; // by the first dof
@@ -191,10 +191,11 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
 
 using Block = std::array<double, 9>; // dim × dim, row by row
 
-/// Bases of the constraint directions at the nodes with constraints against massless obstacles.
+/// For each node that loses mass, a basis of the directions of its constraints against massless obstacles.
 using Bases = std::map<PetscInt, RowBasis>;
 
-/// Finds the directions in which nodes lose their mass; `massless`: by obstacle of the scene. Collective.
+/// Finds the directions in which nodes lose their mass. `massless`: one entry for each obstacle of the scene.
+/// Collective.
 Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs,
                               const std::vector<bool>& massless) {
   const std::vector<bool> faces = facing(space, pairs);
@@ -205,7 +206,7 @@ Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs
   return bases;
 }
 
-/// The projector onto the directions of a basis.
+/// Orthogonal projector (dim × dim, row by row) onto the directions of a basis.
 Block projector(const RowBasis& basis, int dim) {
   Block onto{};
   for (int c = 0; c < dim; ++c) {
@@ -221,7 +222,7 @@ Block projector(const RowBasis& basis, int dim) {
   return onto;
 }
 
-/// A square matrix of `size` rows on this rank. Collective.
+/// Creates an empty square AIJ matrix with `size` rows on this rank. Collective.
 petsc::Matrix empty_square(MPI_Comm comm, PetscInt size, int block_size) {
   petsc::Matrix E;
   check(MatCreate(comm, E.put()));
@@ -232,7 +233,8 @@ petsc::Matrix empty_square(MPI_Comm comm, PetscInt size, int block_size) {
   return E;
 }
 
-/// Nodes with mass and their weights in a contact node's velocity; none if no nodes determine it.
+/// Nodes with mass and their weights in the extrapolated velocity of a contact node; empty if no nodes
+/// determine it.
 struct Combination {
   std::vector<PetscInt> nodes;
   std::vector<double> weights;
@@ -298,8 +300,8 @@ petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pa
       const auto [neighbours, weights] = combination(node, here, bases, place, dim);
       if (weights.empty())
         throw UserError(fmt::format(
-            "contact.mass: found \"massless\", but the node at {} has only contact nodes around it to take "
-            "its mass. Set mesh.degree = 2, refine the mesh, or choose a smaller group",
+            "contact.mass: found \"massless\", but all neighbours of the node at {} are contact nodes, so "
+            "none can take its mass. Set mesh.degree = 2, refine the mesh, or choose a smaller group",
             point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
       const Block onto = projector(bases.at(node), dim);
       Block block{};

@@ -139,8 +139,8 @@ Obstacle::Plane Obstacle::round(const double* x, const Place& place) const {
   const Point r = from_middle(x, place);
   const double distance = length(r);
   if (!(distance > 1e-10 * place.radius)) // nearer to the middle, rounding determines the direction
-    throw UserError(fmt::format("{}: the node at {} is at the centre or on the axis, where no direction "
-                                "leads out; move the body or the obstacle",
+    throw UserError(fmt::format("{}: the node at {} is at the centre or on the axis, where the outward "
+                                "direction is undefined; move the body or the obstacle",
                                 key_, point_text(x)));
   const double sign = inside_ ? -1 : 1;
   return {scaled(sign / distance, r), sign * (distance - place.radius)};
@@ -163,7 +163,8 @@ Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
         try {
           distance_->evaluate(beside.data(), t, &sides[side]);
         } catch (const UserError& error) {
-          throw UserError(fmt::format("{}, and around the node at {}, where its derivatives are wanted",
+          throw UserError(fmt::format("{}, also in the neighbourhood of the node at {}, where the expression "
+                                      "is differentiated",
                                       error.what(), point_text(x)));
         }
         largest = std::max(largest, std::abs(sides[side] - value));
@@ -173,8 +174,8 @@ Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
   const double size = length(gradient);
   // Where the gradient vanishes, one-sided differences are of second order in h, and their sum is rounding.
   if (!(size * h > 1e-6 * largest))
-    throw UserError(fmt::format("{}.distance: the expression has no slope at the node at {}{}; it must grow "
-                                "outwards from the obstacle",
+    throw UserError(fmt::format("{}.distance: the gradient of the expression is zero at the node at {}{}; "
+                                "the expression must increase away from the obstacle",
                                 key_, point_text(x), moves_ ? fmt::format(", t = {:.6g} s", t) : ""));
   return {scaled(1 / size, gradient), value / size};
 }

@@ -13,13 +13,13 @@
 namespace signorini::contact {
 namespace {
 
-constexpr double much_larger = 2.5; ///< size relative to the box above which an obstacle is cut
+constexpr double much_larger = 2.5; ///< ratio of obstacle to box size above which the surface is cut
 
 void add_point(ObstacleSurface& surface, std::size_t dim, const Point& x) {
   surface.points.insert(surface.points.end(), x.begin(), x.begin() + static_cast<std::ptrdiff_t>(dim));
 }
 
-/// The surface of a plane: a segment or rectangle across the box.
+/// Surface of a plane: a segment or a rectangle that spans the box.
 ObstacleSurface flat(const Obstacle& obstacle, const Obstacle::Place& place, std::size_t dim,
                      const Box& box) {
   const Point normal = obstacle.at(place.point.data(), place).normal;
@@ -62,7 +62,8 @@ ObstacleSurface flat(const Obstacle& obstacle, const Obstacle::Place& place, std
   return surface;
 }
 
-/// The zero level set of a function on a grid that is linear in the simplices dividing the grid's cubes.
+/// Zero level set of an obstacle's level, interpolated linearly on the simplices into which the cubes of a
+/// grid are divided.
 class Contour {
 public:
   Contour(const Obstacle& obstacle, const Obstacle::Place& place, std::size_t dim, const Box& box, int cells)
@@ -115,7 +116,7 @@ private:
     }
     return x;
   }
-  /// Level of the obstacle at x; not a number where it has none.
+  /// Level of the obstacle at x; NaN where it is undefined.
   [[nodiscard]] double level(const Point& x) const {
     try {
       return obstacle_.level(x.data(), place_);
@@ -148,7 +149,7 @@ private:
     add_facet(facet, outwards);
   }
 
-  /// Number of the surface point between two nodes, which is added if it is new.
+  /// Number of the surface point on the edge between two grid nodes; adds the point if it is new.
   std::int64_t crossing(std::size_t inside, std::size_t outside) {
     const auto [found, isnew] =
         points_.try_emplace({inside, outside}, static_cast<std::int64_t>(points_.size()));
@@ -160,7 +161,7 @@ private:
     return found->second;
   }
 
-  /// Moves a point near the surface onto the half-space that is tangent there.
+  /// Moves a point near the surface onto the tangent plane of the obstacle there.
   [[nodiscard]] Point closer(const Point& x) const {
     try {
       const Obstacle::Plane plane = obstacle_.at(x.data(), place_);
@@ -186,10 +187,10 @@ private:
   const Obstacle::Place& place_;
   std::size_t dim_;
   const Box& box_;
-  double width_ = 0; ///< width of a cell, m
+  double width_ = 0; ///< width of a grid cell, m
   std::array<std::size_t, 3> count_{1, 1, 1};
-  std::vector<double> levels_; ///< levels at the grid's nodes, the first coordinate changing first
-  std::map<std::pair<std::size_t, std::size_t>, std::int64_t> points_; ///< numbers by inner, outer node
+  std::vector<double> levels_; ///< levels at the grid's nodes; the first coordinate varies fastest
+  std::map<std::pair<std::size_t, std::size_t>, std::int64_t> points_; ///< numbers, by inner and outer node
   ObstacleSurface surface_;
 };
 

@@ -8,14 +8,14 @@
 
 namespace signorini::contact {
 
-/// A box along the axes, by two corners, m. In the plane the third components are zero.
+/// Box parallel to the axes, given by two opposite corners, m. In the plane the third components are zero.
 struct Box {
   std::array<double, 3> low{}, high{};
 
-  /// An empty box, for include() to extend.
+  /// Returns an empty box, which include() can extend.
   [[nodiscard]] static Box empty(int dim);
   [[nodiscard]] double longest_side() const;
-  /// Extends the box to include a point, or `other`.
+  /// Extends the box so that it contains a point or another box.
   void include(const std::array<double, 3>& x) { // called for every node at every stored time
     for (std::size_t c = 0; c < 3; ++c) {
       low[c] = std::min(low[c], x[c]);
@@ -28,17 +28,17 @@ struct Box {
   }
 };
 
-/// A part of an obstacle's surface: line segments in the plane, with the obstacle to their right; triangles
-/// in space, counterclockwise as seen from outside of the obstacle.
+/// Part of an obstacle's surface. In the plane it consists of line segments with the obstacle on their right,
+/// in space of triangles that are counterclockwise as seen from outside of the obstacle.
 struct ObstacleSurface {
   std::vector<double> points;       ///< (n × dim), m
-  std::vector<std::int64_t> facets; ///< (facets × dim), numbers of points
-  bool whole = false;               ///< whether no part of the surface was left out
+  std::vector<std::int64_t> facets; ///< (facets × dim), rows of `points`
+  bool whole = false;               ///< whether this is the whole surface of the obstacle
 };
 
-/// The surface at `place` within a box. A ball or cylinder that is not much larger than the box is taken
-/// whole, a cylinder up to the ends of the box. Curved surfaces are resolved by `cells` along the longest
-/// side.
+/// Computes the part of the obstacle's surface at `place` that is within a box. A ball or cylinder that is
+/// not much larger than the box is returned whole (a cylinder up to the ends of the box). `cells`: resolution
+/// of curved surfaces, in grid cells along the longest side.
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells);
 

@@ -17,7 +17,7 @@ namespace {
 
 long& made = count("constraints");
 
-/// The unclamped components of a node, one bit each.
+/// Unclamped components of a node, one bit for each.
 int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
   int free = 0;
   for (int c = 0; c < dim; ++c)
@@ -29,8 +29,9 @@ std::string shown(const ContactPairs& pairs, int i) {
   return point_text(&pairs.points()[3 * static_cast<std::size_t>(i)]);
 }
 
-/// Solves 0 ≤ λ ⟂ g + HᵀHλ ≥ 0 at one cluster with the gaps g: −Hλ moves the node to the closest position
-/// allowed. λ is in work.lambda. Returns false if there is no such position.
+/// Finds the closest position of a node that satisfies the constraints of all its pairs: solves 0 ≤ λ ⟂ g +
+/// HᵀHλ ≥ 0 for the gaps g, so that −Hλ is the displacement to this position. Stores λ in work.lambda.
+/// Returns false if there is no such position.
 [[nodiscard]] bool place(const ContactPairs& pairs, const ConstraintRows::Cluster& node,
                          std::span<const double> gap, ContactPairs::NodeWork& work) {
   const ConstraintRows& rows = pairs.rows();
@@ -52,8 +53,8 @@ std::string shown(const ContactPairs& pairs, int i) {
                          work.solver);
 }
 
-/// Throws UserError if no position of some node satisfies the constraints of all its obstacles, for the ψ (m)
-/// of time t. Collective.
+/// Throws UserError if no position of some node satisfies the constraints of all its obstacles. `psi`: gaps
+/// of the undeformed body at time t (s), m. Collective.
 void require_room(const ContactPairs& pairs, std::span<const double> psi, double t,
                   ContactPairs::NodeWork& work) {
   if (pairs.rows().clamped() ||
@@ -200,8 +201,8 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     std::ranges::sort(dofs);
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (candidates[i] == 0)
-      throw UserError(fmt::format("{}.on: every node of the group \"{}\" is clamped against the obstacle; "
-                                  "choose a group with nodes that can move towards it",
+      throw UserError(fmt::format("{}.on: every node of the group \"{}\" is clamped in the direction of the "
+                                  "obstacle; choose a group with nodes that can move towards it",
                                   keys_[i], contacts[i].on));
   const PetscInt end = space.first_dof() + space.layout().nodes() * dim_;
   for (PetscInt dof : first_dofs_)
@@ -277,13 +278,13 @@ void place_outside(const ContactPairs& pairs, Vec y) {
     constexpr double shallow = 1e-3; // part of the body's diameter
     const bool slight = -g[deepest] < shallow * pairs.diameter();
     const char* cure =
-        slight ? "move it, or set contact.initial = \"project\", which moves such nodes out"
+        slight ? "move the body, or set contact.initial = \"project\", which moves such nodes out"
         : inside == all && all > 1
-            ? "move it, or turn the obstacle's normal, which points out of it and may be reversed"
-            : "move it, or turn the obstacle's normal, which points out of it, or set "
+            ? "move the body, or reverse the obstacle's normal, which must point out of the obstacle"
+            : "move the body, reverse the obstacle's normal, which must point out of the obstacle, or set "
               "contact.initial = \"project\", which moves such nodes out";
     throw UserError(
-        fmt::format("{}: the node at {} starts {:.6g} m inside the obstacle{}; bodies start outside: {}",
+        fmt::format("{}: the node at {} starts {:.6g} m inside the obstacle{}; bodies must start outside: {}",
                     pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest],
                     inside == all && all > 1 ? fmt::format(", as do all {} candidates", all) : "", cure));
   }

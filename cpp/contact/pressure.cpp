@@ -13,7 +13,8 @@ using petsc::check;
 
 namespace {
 
-/// ∫ φ over an obstacle's group for the node of each of its candidates that this rank owns; 0 for the others.
+/// ∫ φ over an obstacle's group, for the node of each of the obstacle's candidates that this rank owns; 0 for
+/// all other candidates.
 std::vector<double> shares(const fem::Space& space, const ContactPairs& pairs, const std::string& group,
                            int obstacle) {
   const petsc::Matrix mass = fem::assemble_L2(space, group, pairs.key(obstacle) + ".on");
@@ -28,10 +29,11 @@ std::vector<double> shares(const fem::Space& space, const ContactPairs& pairs, c
   return found;
 }
 
-/// A node in the middle of an edge and those at its ends, numbers among all nodes.
+/// Global numbers of the node at an edge's midpoint and of the nodes at its ends.
 using EdgeNodes = std::array<std::int64_t, 3>;
 
-/// The edges of a group's facets for functions of degree 2, each once, on all ranks alike. Collective.
+/// Lists the edges of all facets of a group, for functions of degree 2; each edge once, the same list on
+/// every rank. Collective.
 std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& group, const std::string& key) {
   const auto topology = space.mesh().dolfinx()->topology();
   const int dim = topology->dim();

@@ -6,48 +6,52 @@
 
 namespace signorini::contact {
 
-/// Pressures of the contact surface from the candidates' nodal forces F_i = ∫ p φ_i (docs/method.md section
-/// 2).
+/// Computes the contact pressure p from the nodal contact forces F_i = ∫ p φ_i of the candidates
+/// (docs/method.md section 2).
 ///
-/// The pressure at vertex v for degree 1 is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
-/// For degree 2 the integrals ∫ φ_i are no divisors: on a triangle they vanish for vertices, whose forces are
-/// rounding and effects of the ends of contact. But hat functions are of degree 2 too, φ¹_v = φ_v + ½ Σ φ_e
-/// over the edges e at v. Their forces are therefore known exactly: F¹_v = F_v + ½ Σ F_e. The pressure is
-/// F¹_v / ∫ φ¹_v, in the plane and in space. The integrals are positive, the sum of the forces is unchanged,
-/// none becomes negative, and a uniform pressure is reproduced. The weighted mean has an error of O(h²) where
-/// p is smooth, the order of the stresses of displacements of degree 2. Between vertices the pressure is
-/// linear.
+/// For degree 1 the pressure at vertex v is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
+/// For degree 2 this fails: on a triangle ∫ φ_i vanishes for vertices, whose forces are only rounding errors
+/// and effects at the ends of contact. But hat functions are also of degree 2: φ¹_v = φ_v + ½ Σ φ_e over the
+/// edges e at v. Therefore F¹_v = F_v + ½ Σ F_e is their exact nodal force, and the pressure is F¹_v / ∫
+/// φ¹_v, in the plane and in space. The integrals ∫ φ¹_v are positive, the sum of the forces is unchanged, no
+/// force becomes negative, and a uniform pressure is reproduced. The error of the weighted mean is O(h²)
+/// where p is smooth, like the error of stresses for displacements of degree 2. Between vertices the pressure
+/// is linear.
 class Pressure {
 public:
-  /// Computes the areas of the pairs of `contacts`. Collective. Throws UserError as ContactPairs does.
+  /// Computes the areas that belong to the candidates of `contacts`. Collective. Throws UserError as
+  /// ContactPairs does.
   Pressure(const fem::Space& space, const ContactPairs& pairs, const std::vector<scene::Contact>& contacts);
 
-  /// The integral of each candidate's hat function over the surface of its obstacle's group (m entries), m in
-  /// the plane, m² in space; 0 for candidates in the middle of edges.
+  /// Integral of each candidate's hat function over its obstacle's contact surface (m entries), in m in the
+  /// plane and m² in space; 0 for candidates at midpoints of edges.
   [[nodiscard]] const std::vector<double>& area() const { return area_; }
 
-  /// Pressures p (m entries) from `forces` λ divided by `impulse`, N/m², positive in compression. Candidates
-  /// in the middle of an edge have the mean of the edge's ends. 0 where no candidate has an area.
+  /// Pressures p of the candidates (m entries), N/m², positive in compression. The nodal contact forces are
+  /// `forces` (multipliers λ) divided by `impulse`. A candidate at the midpoint of an edge gets the mean of
+  /// the edge's ends. The pressure is 0 where no candidate has an area.
   [[nodiscard]] std::vector<double> operator()(std::span<const double> forces, double impulse) const;
 
 private:
-  /// The candidate in the middle of an edge, and those at its ends; −1 where there is none.
+  /// Edge of the contact surface: the candidates at its midpoint and at its ends; −1 for an end without
+  /// candidate.
   struct Edge {
     int middle;
     std::array<int, 2> ends;
   };
   void add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group, int obstacle);
-  /// Keeps the areas of vertices alone, and none at a vertex whose edges are all clamped.
+  /// Keeps the areas of vertices only, and sets the area of a vertex to zero if all of its edges are clamped.
   void keep_areas_of_edges();
-  /// Converts integrals with functions of degree 2 to those with hat functions, in place.
+  /// Converts integrals with functions of degree 2, one for each candidate, to integrals with hat functions,
+  /// in place.
   void gather_at_vertices(std::vector<double>& values) const;
 
   std::vector<Edge> edges_;
   std::vector<double> area_;
 };
 
-/// Values of the candidates (m) as a field at the nodes that this rank owns: the largest of a node's
-/// candidates, 0 at nodes without one. Not collective.
+/// Converts values of candidates (m entries) to values at the nodes that this rank owns: the largest value of
+/// a node's candidates, and 0 at nodes without candidate or with negative values only. Not collective.
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
                              const std::vector<double>& values);
 

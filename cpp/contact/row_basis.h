@@ -7,7 +7,7 @@
 
 namespace signorini::contact {
 
-/// An array of `size` zeros, without allocation if there are at most `few`.
+/// Array of `size` values, initially zero; does not allocate memory if `size` is at most `few`.
 template <class T, std::size_t few>
 class SmallArray {
 public:
@@ -26,36 +26,36 @@ private:
   std::size_t size_;
 };
 
-/// Orthonormal basis q of the force directions of rows of one cluster, its members, by Gram–Schmidt:
-/// h_j = Σ_k R_jk q_k. Allocates nothing for clusters of one node.
+/// Orthonormal basis q of the force directions of some rows of one cluster, the members, by Gram–Schmidt: h_j
+/// = Σ_k R_jk q_k for the force direction h_j of member j. Allocates nothing for clusters of one node.
 class RowBasis {
 public:
-  /// Part of a row below which the rest after orthogonalisation counts as zero, and the rows as linearly
-  /// dependent: forces that distinguish them would be accurate to four digits only.
+  /// Fraction of a row's norm: if less than this is left after orthogonalisation, the row counts as linearly
+  /// dependent. Forces that distinguish such rows would be accurate to four digits only.
   static constexpr double parallel = 1e-6;
   using Coordinates = SmallArray<double, 3>;
 
-  /// Reserves room for any cluster of `rows`, which must outlive this object.
+  /// Reserves memory for any cluster of `rows`, which must outlive this object.
   explicit RowBasis(const ConstraintRows& rows);
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] int member(std::size_t k) const { return members_[k]; }
   void clear() { size_ = 0; }
 
-  /// Adds a row, which must be of the members' cluster if there are any. Returns false and adds nothing if it
+  /// Adds a row, which must be in the same cluster as the members. Returns false and adds nothing if the row
   /// depends linearly on the members.
   bool add(int row);
-  /// Replaces a member by a row, and removes members that then depend on earlier ones.
+  /// Replaces member k by a row, and removes members that then depend linearly on earlier ones.
   void replace(std::size_t k, int row);
-  /// q_k·x, x over the cluster's dofs.
+  /// Returns q_k·x for the values x at the cluster's dofs.
   [[nodiscard]] double along(std::size_t k, std::span<const double> x) const;
-  /// Coefficients of the members in the force direction of a row that depends on them.
+  /// Computes the coefficients of the members in the force direction of a row that depends linearly on them.
   void coefficients(int row, Coordinates& out) const;
-  /// x += Σ_k b_k q_k.
+  /// x += Σ_k b_k q_k, for the values x at the cluster's dofs.
   void add_to(std::span<double> x, const Coordinates& b) const;
-  /// Coordinates of the shortest vector x with h_j·x = b_j: b ← R⁻¹ b.
+  /// Replaces b by R⁻¹ b: the coordinates in the basis q of the shortest vector x with h_j·x = b_j.
   void shortest(Coordinates& b) const;
-  /// Coefficients a of the members in the vector with coordinates b, Σ_j a_j h_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
+  /// Replaces b by R⁻ᵀ b: the coefficients a of the members for which Σ_j a_j h_j = Σ_k b_k q_k.
   void combine(Coordinates& b) const;
   [[nodiscard]] Coordinates coordinates() const { return Coordinates(capacity_); }
 

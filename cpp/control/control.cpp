@@ -7,17 +7,18 @@ namespace signorini::control {
 
 namespace {
 
-/// Entries in a block of a level-2 operation, so that the block of the common vector stays in the cache.
+/// Number of entries in a block of an operation on many vectors, so that the block of the common vector stays
+/// in the cache.
 constexpr std::size_t block = 4096;
-/// Least number of blocks, about 3 µs each, for which such an operation is divided among threads.
+/// Least number of blocks (about 3 µs each) for which such an operation is divided among threads.
 constexpr std::size_t worth_threads = 64;
 
-/// The least power of two above `largest`, or 1 where there is none.
+/// Returns the least power of two above `largest`; 1 if there is none.
 double power_above(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
 }
 
-/// Pointers to the values of each control from entry `first` on.
+/// Returns pointers to the values of each control from entry `first` on.
 std::vector<const float*> beginnings(std::span<const CompactControl> x, std::size_t first) {
   std::vector<const float*> all;
   for (const CompactControl& one : x)

@@ -10,9 +10,9 @@ namespace signorini::control {
 
 class CompactControl;
 
-/// A control u, constant on intervals of time: the values of this rank in one array, interval by interval
-/// (count × values). Copies share the values until one is changed, since a search, its problem and their
-/// callers store the same controls.
+/// Control u, constant on each of `count` intervals of time. Stores the values of this rank in one array,
+/// interval by interval (intervals × values). Copies share the values until one copy is changed, since a
+/// search, its problem and their callers store the same controls.
 class Control {
 public:
   /// Converts a rounded control to double precision.
@@ -27,19 +27,20 @@ public:
       : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)),
         count_(count) {}
 
-  /// The values of an interval, j = 1 … count.
+  /// Returns this rank's values in interval j, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }
   [[nodiscard]] std::span<double> at(int j) { return values().subspan(begin(j), size_); }
-  /// The values of all intervals (count × values).
+  /// Returns this rank's values in all intervals (intervals × values).
   [[nodiscard]] std::span<const double> values() const { return values_.read(); }
   [[nodiscard]] std::span<double> values() { return values_.write(); }
   /// Number of intervals.
   [[nodiscard]] int count() const { return count_; }
 
-  /// this += a x.
+  /// Adds a x to this control.
   void add(double a, const Control& x) { axpy(a, x.values(), values()); }
-  /// this += Σ_i a_i x_i, in one pass over this.
+  /// Adds Σ_i a_i x_i to this control, in one pass over its values.
   void add(std::span<const double> a, std::span<const CompactControl> x);
+  /// Multiplies all values by a.
   void scale(double a) { signorini::scale(a, values()); }
 
 private:
@@ -50,20 +51,22 @@ private:
   int count_;
 };
 
-/// A control rounded to single precision, in half of its memory: a search stores many, and combines them in
-/// double precision. The control is values() times scale(), a power of two, so that controls in any units
-/// fit. Copies share the values too.
+/// A control rounded to single precision, which takes half the memory. A search stores many of these and
+/// combines them in double precision. The control is values() times scale(), a power of two, so that controls
+/// in any unit fit. Copies share the values.
 class CompactControl {
 public:
   /// Creates a control without values.
   CompactControl() = default;
+  /// Rounds a control to single precision.
   explicit CompactControl(const Control& u);
 
-  /// Sets x_j = Σ_i factors_ji x_i (j < factors.size() <= x.size()) in place and removes the others. Makes
-  /// one pass over all of them and rounds the results once.
+  /// Replaces the list by its combinations: sets x_j = Σ_i factors_ji x_i for j < factors.size() and removes
+  /// the other entries; factors.size() <= x.size(). Makes one pass over all of them and rounds the results
+  /// once.
   static void combine(std::vector<CompactControl>& x, const std::vector<std::vector<double>>& factors);
 
-  /// The control's values over scale() (count × values), none larger than one in modulus.
+  /// Returns the control's values divided by scale() (intervals × values); none exceeds 1 in modulus.
   [[nodiscard]] std::span<const float> values() const { return values_.read(); }
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] int count() const { return count_; }
@@ -74,30 +77,31 @@ private:
   int count_ = 1;
 };
 
-/// Products u_i·w_j of the values on this rank (u × w), in one pass over the w_j.
+/// Returns the Euclidean products u_i·w_j of this rank's values (u × w), in one pass over the w_j.
 std::vector<double> dots(std::span<const Control> u, std::span<const CompactControl> w);
 
 struct CompactVariables;
 
-/// The variables of a search: a control, the parameters of a scene on their scales, or both. Parameters are
-/// the same on every rank.
+/// Variables of a search: a control u, the parameters x of a scene (as they are or as logarithms), or both.
+/// Parameters are the same on every rank.
 struct Variables {
   Control u;
   std::vector<double> x;
 
-  /// Creates variables from a control, with or without parameters.
+  /// Creates variables from a control and, if given, parameters.
   Variables(Control control, std::vector<double> parameters = {})
       : u(std::move(control)), x(std::move(parameters)) {}
   /// Creates variables from parameters, without a control.
   explicit Variables(std::vector<double> parameters) : u(0, 1), x(std::move(parameters)) {}
+  /// Converts rounded variables to double precision.
   explicit Variables(const CompactVariables& compact);
 
-  /// this += a v.
+  /// Adds a v to these variables.
   void add(double a, const Variables& v) {
     u.add(a, v.u);
     axpy(a, v.x, x);
   }
-  /// this += Σ a_i v_i.
+  /// Adds Σ_i a_i v_i to these variables.
   void add(std::span<const double> a, std::span<const CompactVariables> v);
   void scale(double a) {
     u.scale(a);
@@ -105,7 +109,7 @@ struct Variables {
   }
 };
 
-/// Variables of a search, with the control in single precision.
+/// Variables of a search with the control rounded to single precision.
 struct CompactVariables {
   CompactControl u{};
   std::vector<double> x{};
@@ -113,15 +117,16 @@ struct CompactVariables {
   CompactVariables() = default;
   explicit CompactVariables(const Variables& v) : u(v.u), x(v.x) {}
 
-  /// Combines variables in place, as CompactControl::combine() does controls.
+  /// Replaces the list by its combinations Σ_i factors_ji v_i, as CompactControl::combine() does for
+  /// controls.
   static void combine(std::vector<CompactVariables>& v, const std::vector<std::vector<double>>& factors);
 };
 
-/// Controls of a list of variables, with which they share their values.
+/// Returns the controls of a list of variables, which share their values with the list.
 [[nodiscard]] std::vector<CompactControl> controls_of(std::span<const CompactVariables> v);
 
-/// Archive adapter that stores and restores variables in an archive of controls and numbers, and passes on
-/// anything else. Without `parameters` the entries are those of the control.
+/// Adapter that stores and restores variables in an archive of controls and numbers, and passes all other
+/// types to that archive. `parameters`: their number; if 0, the entries have the names of a plain control.
 template <class Archive>
 class VariablesArchive {
 public:

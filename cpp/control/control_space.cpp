@@ -37,8 +37,8 @@ step::TimeGrid intervals_of(const scene::Control& scene, const step::TimeGrid& g
   return scene.step ? step::TimeGrid(*scene.step, scene.intervals) : grid;
 }
 
-/// HRZ lumping: the diagonal of W, scaled to the total mass; positive for every degree. For degree 1 it is
-/// the row sums.
+/// Returns the diagonal of the lumped W (HRZ): the diagonal of W, scaled to the total mass. It is positive
+/// for every degree; for degree 1 it equals the row sums.
 petsc::Vector lump(Mat W) {
   petsc::Vector diagonal = fem::diagonal(W), one = petsc::zero_like(diagonal),
                 mass = petsc::zero_like(diagonal);

@@ -13,106 +13,121 @@
 
 namespace signorini::control {
 
-/// The space of controls: where they act, their products, their bounds, and how they enter the equation of
-/// motion. Controls have nodal values of the displacement's degree ("nodal") or one value for each cell
-/// ("cellwise"). They act on the whole body, a part of it or a surface; there a cell's value acts on those of
-/// its facets that lie on it. All members collective.
+/// Space of controls: the set on which they act, their products, their bounds, and their force in the
+/// equation of motion. Controls have nodal values of the displacement's degree ("nodal") or one value for
+/// each cell ("cellwise"). They act on the whole body, a part of it or a surface; on a surface, a cell's
+/// value acts on the facets of the cell that lie on it. All members are collective.
 ///
-/// A control is constant on each time step, or on intervals of its own (control.step, or the whole time); a
-/// step then takes the mean over its duration. u_j stores values only at the places (nodes or cells) and in
-/// the components where the control acts, (places × components), place by place. extend() gives the field. A
-/// control on a surface is thus small.
+/// A control is constant on each time step or on separate intervals (control.step, or the whole time); a step
+/// then takes the mean over its duration. The values u_j of an interval belong to the places (nodes or cells)
+/// and components where the control acts (places × components), place by place. A control on a surface is
+/// thus small; extend() gives its field.
 ///
-/// product() is that of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j the length of interval j, over the set on which
-/// the control acts. inner() is the product of the optimizer. It is the same unless there are bounds and the
-/// mass matrix is not diagonal; then the lumped mass matrix (HRZ) takes its place. Clipping the values to the
-/// bounds is the projection onto them exactly where that matrix is diagonal (docs/method.md section 6).
+/// product() is the product of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j being the length of interval j, over the
+/// set on which the control acts. inner() is the optimizer's product. It equals product() unless there are
+/// bounds and the mass matrix is not diagonal; then the lumped mass matrix (HRZ) replaces the mass matrix.
+/// This is because clipping values to the bounds is the projection in inner() only if its matrix is diagonal
+/// (docs/method.md section 6).
 class ControlSpace {
 public:
   using Vector = Control;
   using Compact = CompactControl;
 
-  /// `grid`: the steps of motions, which may still be unknown unless controls are constant on each. The
-  /// references must outlive this object. Throws UserError.
+  /// `grid`: time grid of the motions; its steps must be given already if controls are constant on each step.
+  /// The references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, step::TimeGrid grid,
                const scene::Control& scene);
 
+  /// Returns the zero control.
   [[nodiscard]] Control zero() const;
-  /// A control with the same value wherever it acts.
+  /// Returns a control that has `value` wherever it acts.
   [[nodiscard]] Control constant(double value) const;
-  /// Interpolates at the nodes or midpoints the exact mean over each interval. Throws UserError naming `key`.
+  /// Returns the control of `components`, by interpolating their exact mean over each interval at the nodes
+  /// or the midpoints of cells. Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
   /// Number of values of an interval on this rank.
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// A zero field: a vector of V, or one for each cell (owned cells × dim).
+  /// Returns a zero field: a vector of V or, for a cellwise control, one vector for each cell (owned cells ×
+  /// dim).
   [[nodiscard]] petsc::Vector field() const;
-  /// Sets the field of these values, zero in places and components where the control does not act.
+  /// Sets `field` to the values of an interval, and to zero at places and in components where the control
+  /// does not act.
   void extend(std::span<const double> values, Vec field) const;
-  /// Reads the values of a field where the control acts.
+  /// Sets `values` to those of `field` at the places and in the components where the control acts.
   void restrict(Vec field, std::span<double> values) const;
 
+  /// Returns the product of u and w in L2(0,T; L2), Σ_j T_j (u_j, w_j).
   [[nodiscard]] double product(const Control& u, const Control& w) const;
-  /// The product (u_j, w_j) of interval j.
+  /// Returns the product (u_j, w_j) in L2 of the values of u and w in interval j.
   [[nodiscard]] double product_at(int j, const Control& u, const Control& w) const;
+  /// Returns the norm of u in L2(0,T; L2).
   [[nodiscard]] double norm(const Control& u) const;
+  /// Returns the optimizer's product of u and w.
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
-  /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
+  /// Returns the functional inner(u, ·) as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
-  /// Whether the matrix of dual() is diagonal.
+  /// Returns whether the matrix of dual() is diagonal.
   [[nodiscard]] bool diagonal() const { return cellwise_ || lumped_; }
-  /// Diagonal of the matrix of dual(), T_j included. If that is not diagonal, the diagonal of the lumped mass
-  /// matrix (HRZ), which approximates it on every mesh.
+  /// Returns the diagonal of the matrix of dual(), T_j included. If that matrix is not diagonal, returns the
+  /// diagonal of the lumped mass matrix (HRZ), which approximates the matrix on every mesh.
   [[nodiscard]] Control weights() const;
-  /// Computes inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
+  /// Returns the products inner(u_i, w_j) from the duals of the u_i (duals × w), in one pass over the w_j and
+  /// one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
                                              std::span<const Compact> w) const;
-  /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
+  /// Replaces the Riesz representative `gradient` of a functional in product() by its representative in
+  /// inner().
   void to_inner(Control& gradient) const;
 
+  /// Returns whether controls have bounds.
   [[nodiscard]] bool bounded() const { return lower_ || upper_; }
-  /// Clips to the bounds: the projection in inner().
+  /// Clips u to the bounds, which is the projection onto them in inner().
   void project(Control& u) const;
-  /// Sets w to zero where u is at a bound and d points out of it.
+  /// Sets those values of w to zero where u is at a bound and d points out of the bounds.
   void zero_blocked(Control& w, const Control& u, const Control& d) const;
 
-  /// Memory of one control, bytes. Collective.
+  /// Returns the memory of one control on all ranks, bytes. Collective.
   [[nodiscard]] double control_bytes() const;
-  /// Memory of one control in single precision, bytes. Collective.
+  /// Returns the memory of one control in single precision on all ranks, bytes. Collective.
   [[nodiscard]] double compact_bytes() const { return control_bytes() * sizeof(float) / sizeof(double); }
-  /// Memory of the matrix assembled for the control alone, bytes; 0 where W serves. Collective.
+  /// Returns the memory of the matrix that was assembled for the control alone, on all ranks, bytes; 0 if W
+  /// serves. Collective.
   [[nodiscard]] double matrix_bytes() const { return matrix_ ? petsc::bytes(matrix_) : 0; }
 
+  /// Number of time steps of the motions.
   [[nodiscard]] int steps() const { return grid_.steps(); }
   [[nodiscard]] const fem::Space& space() const { return space_; }
-  /// The group where the control acts, absent: the body.
+  /// Returns the group on which the control acts; none: the whole body.
   [[nodiscard]] const std::optional<std::string>& on() const { return on_; }
-  /// Whether a control has one value for each cell.
+  /// Returns whether a control has one value for each cell, rather than nodal values.
   [[nodiscard]] bool cellwise() const { return cellwise_; }
-  /// Points of the owned places: nodes or midpoints of cells (places × 3), m.
+  /// Returns the points of the owned places, nodes or midpoints of cells (places × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
-  /// Numbers of the owned places among the owned nodes or cells (places).
+  /// Returns the local numbers of the owned places among the owned nodes or cells (places).
   [[nodiscard]] const std::vector<int>& places() const { return places_; }
-  /// The components in which the control acts, ascending numbers.
+  /// Returns the numbers of the components in which the control acts, ascending.
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
-  /// Whether the control acts by a force density, else by forces on the nodes (step::NodalForce).
+  /// Returns whether the control acts by a force density, rather than by forces on the nodes
+  /// (step::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
-  /// Adds the force s u, for the values u of an interval, times `weight`.
+  /// Adds `weight` times the force s u to `sum`, for the values u of an interval.
   void add_force(std::span<const double> u, step::NodalForce sum, double weight) const;
 
-  /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
-  /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each
-  /// step it is (τ_k s/2) p_k (docs/method.md section 4).
+  /// Adds to g the contribution of step k to a Riesz representative in product(): that of the functional u ↦
+  /// Σ_k impulse() p_k · (force of u in step k). This is the transpose of add_force(). For nodal values of
+  /// each step the contribution is (τ_k s/2) p_k (docs/method.md section 4).
   void add_riesz(int k, Vec p, Control& g) const;
 
   /// Number of intervals on which controls are constant.
   [[nodiscard]] int count() const { return intervals_.steps(); }
+  /// Returns whether a control has the same values at all times.
   [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
-  /// Whether the intervals are the time steps.
+  /// Returns whether a control has values for each time step, rather than for separate intervals.
   [[nodiscard]] bool stepwise() const { return stepwise_; }
-  /// Calls visit(j, part) for the intervals between two times (s), `part` being the share of an interval in
-  /// that time: the parts add up to one.
+  /// Calls visit(j, part) for the intervals between the times `from` and `to` (s). `part`: fraction of this
+  /// time that lies in interval j; the fractions add up to one.
   template <class Visit>
   void for_each_interval(double from, double to, Visit&& visit) const {
     const auto [first, last] = intervals(from, to);
@@ -124,38 +139,41 @@ public:
       visit(j, length(j) / (to - from));
     visit(last, (to - stop) / (to - from));
   }
-  /// Calls visit(j, part) for the intervals whose values act in a step.
+  /// Calls visit(j, part) for the intervals whose values act in `step`. `part`: fraction of the step that
+  /// lies in interval j.
   template <class Visit>
   void for_each_interval(const step::TimeStep& step, Visit&& visit) const {
     if (stepwise())
       return visit(step.k, 1.0);
     for_each_interval(step.begin, step.end, visit);
   }
-  /// Variation of u between two times: ∫ |u − ū| dt there, ū the mean there, over ∫ |u| dt of all times, each
-  /// the largest over the values of u.
+  /// Returns how much u varies between two times (s): ∫ |u − ū| dt, ū the mean there, relative to ∫ |u| dt
+  /// over all times. Each integral is the largest over the values of u.
   [[nodiscard]] double variation(const Control& u, double from, double to) const;
 
-  /// Begin of interval j, s; for the one after the last it is the end of the motion.
+  /// Returns the begin of interval j, s; for j = count() + 1 the end of the motion.
   [[nodiscard]] double begin(int j) const { return intervals_.time(j - 1); }
-  /// Middle of interval j, s; 0 for a control that is constant in time.
+  /// Returns the middle of interval j, s; 0 for a control that is constant in time.
   [[nodiscard]] double middle(int j) const { return constant_in_time_ ? 0 : begin(j) + length(j) / 2; }
-  /// Length T_j of interval j, s.
+  /// Returns the length T_j of interval j, s.
   [[nodiscard]] double length(int j) const { return intervals_.length(j); }
+  /// Returns the time grid of the motions.
   [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
 
 private:
-  /// The first and the last interval between two times; overlaps by rounding do not count.
+  /// Returns the numbers of the first and the last interval between two times (s); overlaps by rounding do
+  /// not count.
   [[nodiscard]] std::pair<int, int> intervals(double from, double to) const;
-  /// field += a · values.
+  /// Adds a times the values of an interval to `field`.
   void add(double a, std::span<const double> values, Vec field) const;
-  /// Multiplies each interval with the mass matrix of product().
+  /// Returns u with the values of each interval multiplied by the mass matrix of product().
   [[nodiscard]] Control mass(const Control& u) const;
-  /// Multiplies one interval with the mass matrix of product().
+  /// Sets `out` to the values u of one interval, multiplied by the mass matrix of product().
   void mass(std::span<const double> u, std::span<double> out) const;
-  /// The sum over all ranks.
+  /// Returns the sum of `mine` over all ranks.
   [[nodiscard]] double sum(double mine) const;
 
-  /// Local entry of a field for an owned value.
+  /// Returns the local entry of a field that belongs to an owned value.
   [[nodiscard]] std::size_t entry(std::size_t value) const {
     const std::size_t n = components_.size();
     return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
@@ -164,7 +182,7 @@ private:
   void make_work(Vec values);
   void take_cells(const std::optional<std::string>& on);
   void take_nodes(const fem::Operators& operators, const std::optional<std::string>& on);
-  /// Selects the places where a field, its weights, is not zero.
+  /// Selects as places the nodes or cells at which the field `weights` is not zero.
   void keep_places(Vec weights, const std::vector<double>& points);
 
   const fem::Space& space_;
@@ -176,23 +194,24 @@ private:
   std::optional<std::string> on_;
   std::vector<int> components_;
   std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
-  bool everywhere_ = false; ///< whether it acts at all places and components of all ranks: values are a field
+  bool everywhere_ = false; ///< whether values are a field: all places and components, on all ranks
   std::vector<double> points_;
   petsc::Matrix matrix_;  ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
   Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), matrix_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
   std::size_t size_ = 0;
-  petsc::Vector work_, in_, out_, field_; ///< work_: values; in_, out_: arrays of controls; field_: a field
+  /// Scratch: work_ for values; in_, out_ placed on arrays of controls; field_ for a field.
+  petsc::Vector work_, in_, out_, field_;
   petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where inner() is product()
 };
 
-/// The force of a control given by expressions: its mean over each interval, evaluated when a step needs it,
-/// so that not more than one interval is stored.
+/// Force of a control that is given by expressions. Its mean over an interval is evaluated when a step needs
+/// it, so that at most one interval is stored.
 class SampledForce final : public step::Load {
 public:
-  /// `key`: its name in messages; `within`: whether it is clipped to the bounds. `controls` must outlive this
-  /// object. Throws UserError.
+  /// `key`: name of the control in messages; `within`: whether the control is clipped to the bounds.
+  /// `controls` must outlive this object. Throws UserError.
   SampledForce(const ControlSpace& controls, const scene::Components& components, const std::string& key,
                bool within);
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
@@ -211,13 +230,13 @@ private:
   mutable std::pair<double, double> of_{0, 0}; ///< begin and end of that interval, s
 };
 
-/// Steps in which a force acts: those of its control, or others.
+/// Time steps in which a control's force acts: the steps of its ControlSpace, or others.
 enum class ForceSteps { of_control, others };
 
-/// The force s u_k of a control on the body, as a load.
+/// Force s u_k of a control on the body, as a load.
 class ControlForce final : public step::Load {
 public:
-  /// The references must outlive this object.
+  /// `steps`: the time steps in which the force acts. The references must outlive this object.
   ControlForce(const ControlSpace& controls, const Control& u, ForceSteps steps = ForceSteps::of_control)
       : controls_(controls), u_(u), steps_(steps) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }

@@ -6,30 +6,33 @@
 
 namespace signorini::control {
 
-/// Transfers controls from one space to another, on another mesh of the same body or with another degree,
-/// kind of values or time step, on any number of ranks. In space it is finite-element interpolation: the
-/// function is evaluated at each place of the other space. A place just outside of the mesh takes the
-/// polynomial of the nearest cell; on a surface it takes the nearest point of that. In time each step has the
-/// mean over its duration. That is the L2 projection: it repeats values where steps are whole parts of longer
-/// ones, and so keeps products of controls there.
+/// Transfers controls from one space to another, which may have another mesh of the same body, degree, kind
+/// of values, time step or number of ranks.
+///
+/// In space it is finite-element interpolation: the function is evaluated at each place (node or midpoint) of
+/// the target space. A place just outside the mesh takes the polynomial of the nearest cell. A place on a
+/// surface takes the value at the nearest point of the source's surface. In time each target interval takes
+/// the mean over its duration, which is the L2 projection. If the target's intervals divide the source's,
+/// values are repeated and products of controls are preserved.
 class Interpolation {
 public:
-  /// The spaces must outlive this object. Throws UserError if one of them acts by a force on a surface and
-  /// the other in the body. Collective.
+  /// Prepares the transfer from the space `from` to the space `to`, which must outlive this object. Throws
+  /// UserError if one of them acts by a force on a surface and the other in the body. Collective.
   Interpolation(const ControlSpace& from, const ControlSpace& to);
 
-  /// The largest distance of a place of `to` from the set on which controls of `from` act, m.
+  /// Returns the largest distance of a place of the target space from the set on which controls of the source
+  /// space act, m.
   [[nodiscard]] double farthest() const;
 
-  /// Interpolates a control. Collective.
+  /// Returns the control u transferred to the target space. Collective.
   [[nodiscard]] Control operator()(const Control& u) const;
-  /// Interpolates the control; parameters are the same on every mesh.
+  /// Returns v with its control transferred to the target space; parameters are the same on every mesh.
   [[nodiscard]] Variables operator()(const Variables& v) const { return {(*this)(v.u), v.x}; }
 
 private:
   const ControlSpace& from_;
   const ControlSpace& to_;
-  std::size_t first_ = 0; ///< index of this rank's first place among those of all ranks
+  std::size_t first_ = 0; ///< index of this rank's first target place among those of all ranks
   fem::Sampler sampler_;
 };
 

@@ -8,8 +8,8 @@ using scene::Quantity;
 
 namespace {
 
-/// The functional of a component at a point of the undeformed body, or of its mean over a group. Throws
-/// UserError naming `key`.
+/// Returns the functional that a measurement applies to a field: a component at a point of the undeformed
+/// body, or its mean over a group. Throws UserError naming `key`.
 petsc::Vector functional_of(const fem::Space& space, const scene::Measurement& measurement,
                             const std::string& key) {
   const auto component = static_cast<int>(*measurement.component);

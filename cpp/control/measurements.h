@@ -11,38 +11,43 @@
 
 namespace signorini::control {
 
-/// Measured values of one quantity, in SI at ascending times.
+/// Measured values of one quantity, in SI units, at ascending times.
 struct Data {
-  std::vector<double> times, values, deviations; ///< s; values; standard deviations
+  std::vector<double> times, values, deviations; ///< times, s; values; their standard deviations
   std::vector<scene::TableWarning> warnings{};   ///< warnings about the table of these data
 };
 
-/// The quantities that a scene measures (docs/method.md section 10), along a motion and its derivatives by
-/// the unknowns. Displacement and velocity are linear between the ends of steps. The force of step k acts in
-/// its middle and is linear between; in contact-implicit steps, whose forces alternate, the mean of two steps
-/// acts at the time between them. Contact times are none of these. All members collective.
+/// Simulated values of the quantities that a scene measures, along a motion and its derivatives by the
+/// unknowns (docs/method.md section 10). Displacement and velocity are linear between the ends of steps. The
+/// force of step k acts in the step's middle and is linear between middles. In contact-implicit steps, whose
+/// forces alternate, the mean of two steps acts at the time between them. Contact times are not included. All
+/// members are collective.
 class Measurements final : public step::StateDuals, public adjoint::VelocityForceDuals {
 public:
-  /// `times`: sample times of each of the scene's measurements, s. `columns`: 1 for the motion alone, one
-  /// more for each derivative. The references must outlive this object. Throws UserError.
+  /// `times`: sample times of each of the scene's measurements, s. `columns`: number of columns of values: 1
+  /// for the motion alone, 1 more for each derivative. The references must outlive this object. Throws
+  /// UserError.
   Measurements(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Scene& scene,
                const std::vector<std::vector<double>>& times, std::size_t columns = 1);
 
-  /// Takes the frame after the last one, from frame 0 on, and the derivatives there.
+  /// Records the values of the next frame; frames are passed in order, from frame 0 on.
   void observe(const trajectory::Frame& frame);
+  /// Records the values of the next frame and their derivatives by the unknowns; frames are passed in order,
+  /// from frame 0 on.
   void observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& sensitivities,
                const step::ParameterRates& rates);
 
-  /// Number of values of all measurements together, and the first of each; those that are not fitted have
-  /// none.
+  /// Number of values of all fitted measurements together.
   [[nodiscard]] std::size_t count() const { return samples_.size(); }
+  /// Returns the index of each measurement's first value, and at last count(). Measurements that are not
+  /// fitted have no values.
   [[nodiscard]] const std::vector<std::size_t>& first() const { return first_; }
 
-  /// Values of a column, once all frames have been taken: of the motion (0), or of its derivative by unknown
-  /// j (j + 1).
+  /// Returns the values of a column after the last frame: of the motion (column 0), or of its derivative by
+  /// unknown j (column j + 1).
   [[nodiscard]] std::vector<double> values(std::size_t column = 0) const;
 
-  /// Sets the derivatives of J by the values, which determine the duals.
+  /// Sets the derivatives of J by the measured values; the duals of states and forces follow from these.
   void set_derivative(std::span<const double> by_values);
 
   [[nodiscard]] bool has_density() const override { return false; }
@@ -57,24 +62,27 @@ public:
                                const contact::ConstraintRows& rate) const override;
 
 private:
-  /// A number of each state or step from which measurements are interpolated.
+  /// A quantity of each state or step, from which measurements are interpolated.
   struct Channel {
     scene::Quantity of; ///< displacement, velocity or force
     step::SparseFunctional field{};
     step::ObstacleComponent force{};
-    std::vector<std::vector<double>> values{}; ///< values of each column (N + 1); a force's is zero at 0
+    std::vector<std::vector<double>> values{}; ///< values in each column (N + 1); a force is zero at entry 0
   };
-  /// A measured value: Σ weights · channel or, for an impulse, weights · sums of τ times a force so far.
+  /// A measured value, Σ weights · channel. For an impulse the weights multiply sums of τ times the force up
+  /// to each step.
   struct Sample {
     std::size_t channel;
     bool impulse;
     std::vector<std::pair<int, double>> weights;
   };
 
+  /// Returns the steps and weights by which a state (`force`: a force) is interpolated at time `t` (s).
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
-  /// Force of a channel from the multipliers of rows.
+  /// Returns the force of a channel in step k from the multipliers `lambda` of the rows.
   [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,
                              const contact::ConstraintRows& rows) const;
+  /// Records the displacement and velocity channels of a column at t_k.
   void take(int k, std::size_t column, Vec y, Vec v);
 
   const step::Stepper& stepper_;

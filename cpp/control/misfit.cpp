@@ -11,7 +11,7 @@ double on_scale(const scene::Unknown& unknown, double value) {
   return unknown.logarithmic() ? std::log(value) : value;
 }
 
-/// The bounds of an unknown on its scale: the given ones, else its natural ones.
+/// Returns the bounds of an unknown's x (θ or log θ): the given ones, otherwise natural ones.
 std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
   constexpr double nearly = 1e-6; // distance from limits that are excluded
   const scene::Limits natural = scene::natural_limits(unknown.of);
@@ -31,8 +31,8 @@ std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
   return {on_scale(unknown, lower), on_scale(unknown, upper)};
 }
 
-/// The largest change of an unknown on its scale in one step. A change of log θ by −1 takes the linearised
-/// θ (1 + δ) to 0, by +1 the linearised 1/θ: a longer one has no meaning.
+/// Returns the largest change of an unknown's x (θ or log θ) in one step. A change of log θ by −1 takes the
+/// linearised θ (1 + δ) to 0, a change by +1 the linearised 1/θ; a longer step has no meaning.
 double longest_step(const scene::Unknown& unknown) {
   return unknown.logarithmic() ? 1 : std::numeric_limits<double>::infinity();
 }

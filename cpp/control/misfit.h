@@ -8,42 +8,45 @@
 
 namespace signorini::control {
 
-/// The least-squares misfit ½|r|² of a scene's parameters θ (docs/method.md sections 9 and 10). A search
-/// varies them on their scales, x = θ or log θ. The residuals r are those of the data, in standard
-/// deviations, and those of the priors.
+/// Least-squares misfit ½|r|² of a scene's parameters θ (docs/method.md sections 9 and 10). A search varies
+/// x, where each x is θ or log θ. The residuals r are those of the data, in standard deviations, followed by
+/// those of the priors.
 class Misfit {
 public:
-  /// `data`: of all measurements of the scene, which must outlive this object.
+  /// `data`: data of all measurements of the scene. `scene` must outlive this object.
   Misfit(const scene::Scene& scene, std::vector<Data> data);
 
-  /// The scene's own parameters, on their scales, and their bounds.
+  /// Returns the scene's start values of the parameters as x (θ or log θ).
   [[nodiscard]] std::vector<double> start() const { return on_scales(scene::start_values(scene_)); }
+  /// Returns the bounds of x (θ or log θ) and the limits of its steps.
   [[nodiscard]] const optimize::Box& box() const { return box_; }
-  /// Converts x to θ, and θ to x.
+  /// Converts x (θ or log θ) to parameters θ.
   [[nodiscard]] std::vector<double> values(std::span<const double> x) const;
+  /// Converts parameters θ to x (θ or log θ).
   [[nodiscard]] std::vector<double> on_scales(std::span<const double> values) const;
-  /// Derivatives dθ/dx at x.
+  /// Returns the derivatives dθ/dx at x.
   [[nodiscard]] std::vector<double> slopes(std::span<const double> x) const;
 
   [[nodiscard]] const scene::Scene& scene() const { return scene_; }
   [[nodiscard]] const std::vector<Data>& data() const { return data_; }
-  /// Warnings about the tables of the data.
+  /// Returns warnings about the tables of the data.
   [[nodiscard]] std::vector<scene::TableWarning> warnings() const;
-  /// Number of values of all measurements.
+  /// Number of measured values of all measurements.
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// Times at which each measurement has values, s.
+  /// Returns the times at which each measurement has values, s.
   [[nodiscard]] std::vector<std::vector<double>> times() const;
 
-  /// Residuals r from the simulated values of the measurements.
+  /// Returns the residuals r at x, given the simulated values of the measurements.
   [[nodiscard]] std::vector<double> residuals(const std::vector<double>& simulated,
                                               std::span<const double> x) const;
-  /// Jacobian ∂r/∂x (residuals × parameters, column by column) from the derivatives of the simulated values
-  /// by θ.
+  /// Returns the Jacobian ∂r/∂x (residuals × parameters, column by column), given the derivatives of the
+  /// simulated values by θ.
   [[nodiscard]] std::vector<double> jacobian(const std::vector<std::vector<double>>& by_theta,
                                              std::span<const double> x) const;
-  /// Derivatives of ½|r|² by the values of the measurements.
+  /// Returns the derivatives of ½|r|² by the simulated values of the measurements.
   [[nodiscard]] std::vector<double> by_values(const std::vector<double>& residuals) const;
-  /// Gradient d(½|r|²)/dx, the priors' part included, from the data's d/dθ.
+  /// Returns the gradient d(½|r|²)/dx, the priors' part included, given the derivatives of the data's part by
+  /// θ.
   [[nodiscard]] std::vector<double> gradient(std::vector<double> by_theta,
                                              const std::vector<double>& residuals,
                                              std::span<const double> x) const;

@@ -17,7 +17,7 @@ using petsc::check;
 namespace {
 long& problems = count("reduced problems");
 
-/// δy_0…δy_N from the storage of states.
+/// Linearised displacements δy_0…δy_N, read from a store of states.
 class LinearisedMotion final : public step::Displacements {
 public:
   explicit LinearisedMotion(trajectory::StateStore& states) : states_(states) {}
@@ -85,7 +85,7 @@ void ReducedProblem::simulate(const Variables& v) {
   }
   for (std::size_t j = 0; current_ && j < v.x.size(); ++j)
     if (!misfit_->box().reaches(j, current_->v.x[j], v.x[j]))
-      throw SolverFailure(fmt::format("{} would change by a factor of {:.3g} in one step",
+      throw SolverFailure(fmt::format("the unknown {} would change by a factor of {:.3g} in one iteration",
                                       misfit_->scene().unknowns[j].name,
                                       std::exp(std::abs(v.x[j] - current_->v.x[j]))));
   trial_ = evaluation(v);
@@ -231,7 +231,7 @@ void ReducedProblem::weigh_parameters(const Variables& guess) {
     }
 }
 
-/// S'(u) d, integrated by linearised steps from rest.
+/// Integration of S'(u) d by linearised steps from rest.
 class ReducedProblem::LinearisedRun {
 public:
   LinearisedRun(ReducedProblem& problem, const Control& d, Step make)

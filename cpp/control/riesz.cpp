@@ -46,7 +46,7 @@ Control riesz_representative(const ControlSpace& controls, const Control& d) {
     p.add(1, z);
     now = next;
   }
-  throw SolverFailure("the mass matrix of the controls: conjugate gradients do not converge on these values");
+  throw SolverFailure("conjugate gradients with the mass matrix of the controls did not converge");
 }
 
 } // namespace signorini::control

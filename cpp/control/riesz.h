@@ -4,8 +4,8 @@
 
 namespace signorini::control {
 
-/// The inverse of ControlSpace::dual(): the control r with inner(r, ·) = d, to rounding. Collective. Throws
-/// SolverFailure.
+/// Returns the control r with inner(r, ·) = d, up to rounding: the inverse of ControlSpace::dual().
+/// Collective. Throws SolverFailure.
 [[nodiscard]] Control riesz_representative(const ControlSpace& controls, const Control& d);
 
 } // namespace signorini::control

@@ -14,8 +14,8 @@ namespace {
 
 using Components = std::array<double, 3>;
 
-/// Sets −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N). Clamped components are included, in which they
-/// act on the clamps alone.
+/// Sets `force` to the contact forces on the body, −(2/τ²) Σ λ_i ν_i (N). Clamped components are included;
+/// contact forces in these act on the clamps alone.
 void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
                     const contact::ContactState& contact, Vec force) {
   check(VecZeroEntries(force));
@@ -25,14 +25,14 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 
 } // namespace
 
-/// The sums of a balance, in one pass over the dofs for each product with a matrix, and in one reduction over
+/// Sums of a balance. They take one pass over the dofs for each product with a matrix, and one reduction over
 /// the ranks.
 struct Balance::Sums {
   double kinetic = 0, elastic = 0;   ///< v·Mv and y·Ay
   double momentum_moduli = 0;        ///< sum of the moduli of Mv
   double internal_moduli = 0;        ///< sum of the moduli of Ay
   double viscous = 0;                ///< w·Bw
-  double load = 0, contact = 0;      ///< works
+  double load = 0, contact = 0;      ///< work of the loads, of contact
   double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
   double reaction_power = 0;         ///< power of the clamps' reactions
   Components momentum{}, rate{}, applied{}, contact_force{}, reaction{};
@@ -150,12 +150,12 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
 
 namespace {
 
-/// Whether a defect is worse than another one; NaN is the worst.
+/// Returns whether the defect a is worse than b; NaN is the worst.
 bool worse(double a, double b) { return a > b || (std::isnan(a) && !std::isnan(b)); }
 
 double worst_of(double a, double b) { return worse(b, a) ? b : a; }
 
-/// `value` relative to `whole`; zero where it is negative.
+/// Returns `value` relative to `whole`; 0 if `value` is not positive.
 double part(double value, double whole) { return value <= 0 ? 0 : value / whole; }
 
 } // namespace

@@ -9,20 +9,20 @@ namespace signorini::diagnostics {
 
 struct BodyFigures;
 
-/// Euclidean norm.
+/// Returns the Euclidean norm of x.
 [[nodiscard]] inline double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
 /// Energy and momentum balance of one step, from the exact discrete identities of docs/method.md section 2.
-/// In 2D energies are J/m, forces N/m.
+/// Energies are in J, forces in N; in 2D J/m and N/m.
 struct StepBalance {
   double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
   double elastic_energy = 0;      ///< ½ y·Ay at the end of the step
   double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
-  double external_work = 0;   ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
-  double load_work = 0;       ///< work of the scene's loads alone
-  double contact_work = 0;    ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
-  double energy_residual = 0; ///< residual of the energy identity
-  std::array<double, 3> contact_force{}; ///< resultant on the body
+  double external_work = 0;       ///< f·(y_k − y_{k−1}) of the step, with control and the clamps' motion
+  double load_work = 0;           ///< work of the scene's loads alone
+  double contact_work = 0;        ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
+  double energy_residual = 0;     ///< residual of the energy identity
+  std::array<double, 3> contact_force{}; ///< resultant of the contact forces on the body
   std::array<double, 3> momentum{};      ///< momentum at the end of the step, kg m/s
   std::array<double, 3>
       momentum_residual{}; ///< rate of momentum less loads, contact forces and the clamp's reaction
@@ -30,73 +30,79 @@ struct StepBalance {
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
 
-/// Computes the balances of a motion frame by frame, from frame 0 on; that of frame 0 has the initial
-/// energies only.
+/// Computes the balances of a motion frame by frame, from frame 0 on. The balance of frame 0 contains only
+/// the initial energies and momentum.
 class Balance {
 public:
   /// Optional parts of a balance.
   struct Wanted {
     bool reactions = false;            ///< whether to compute the reactions of the clamps
-    bool controlled = false;           ///< whether other forces act than the scene's loads
-    const step::Load* loads = nullptr; ///< the scene's loads in this case, null without any
+    bool controlled = false;           ///< whether forces other than the scene's loads act
+    const step::Load* loads = nullptr; ///< the scene's loads, if `controlled`; null without any
   };
 
-  /// Collective. The references must outlive this object.
+  /// Prepares the balances of motions of `stepper`. Collective. The references must outlive this object.
   explicit Balance(const step::Stepper& stepper, Wanted wanted);
   explicit Balance(const step::Stepper& stepper) : Balance(stepper, Wanted{}) {}
 
-  /// Balance of the frame that follows the last one. Allocates nothing. Collective.
+  /// Returns the balance of the next frame; frames are passed in order, from frame 0 on. Allocates nothing.
+  /// Collective.
   StepBalance operator()(const trajectory::Frame& frame);
 
-  /// Forces of the clamps on the body in the last frame's step, on the clamped dofs; other entries have no
-  /// meaning. Null unless wanted, zero in frame 0.
+  /// Returns the forces of the clamps on the body in the last frame's step, on the clamped dofs; entries of
+  /// other dofs have no meaning. Null unless wanted, zero in frame 0.
   [[nodiscard]] Vec reactions() const { return reactions_ ? Vec(defect_) : nullptr; }
 
 private:
   struct Sums;
-  /// Adds the terms of the state at the end of the step. Collective.
+  /// Adds the terms of the state at the end of the frame's step to `sums`. Collective.
   void add_state(const trajectory::Frame& frame, Sums& sums);
-  /// Adds the terms of the step. Returns the work of loads_alone_. Collective.
+  /// Adds the terms of the frame's step to `sums`. Returns the work of loads_alone_. Collective.
   double add_step(const trajectory::Frame& frame, Sums& sums);
 
   const step::Stepper& stepper_;
   bool reactions_;
   petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, defect_;
   std::optional<step::ForceAtStep> loads_alone_;
-  double energy_ = 0; ///< energy of the last frame
+  double energy_ = 0; ///< kinetic and elastic energy of the last frame
 };
 
-/// Monitors the exact laws of the scheme (docs/method.md section 2) step by step. Each defect is relative to
-/// the largest quantity of its kind in the run so far, or to the body's diameter. Contact forces are relative
-/// to at least the force of an impact with the run's energy: its momentum over the time that a wave takes
-/// across the body. At a touch there may be no force yet.
+/// Monitors the exact laws of the scheme step by step (docs/method.md section 2). A defect is relative to the
+/// largest quantity of its kind in the run so far; penetration is relative to the body's diameter. Contact
+/// forces are relative to at least the force of an impact with the run's energy, since there may be no force
+/// yet at a touch. That force is the momentum over the time that a wave takes across the body.
 class Invariants {
 public:
+  /// Relative defect of one law.
   struct Defect {
     const char* name;
-    double worst = 0; ///< worst of the steps so far
-    int step = 0;     ///< step of the worst
+    double worst = 0; ///< largest defect of the steps so far
+    int step = 0;     ///< number of the step with that defect
   };
 
-  /// Collective. `stepper` must outlive this object.
+  /// Creates the monitor of motions of `stepper`. Collective. `stepper` must outlive this object.
   Invariants(const step::Stepper& stepper, const BodyFigures& body);
 
-  /// Updates the defects by the frame that follows the last one, and its balance.
+  /// Updates the defects by the next frame and its balance; frames are passed in order, from frame 0 on.
+  /// Collective.
   void observe(const trajectory::Frame& frame, const StepBalance& balance);
 
-  /// Energy law and momentum law; with contact also penetration, adhesion and complementarity.
+  /// Returns the defects of energy law and momentum law; with contact also those of penetration, adhesion and
+  /// complementarity.
   [[nodiscard]] std::span<const Defect> defects() const {
     return {defects_.data(), stepper_.pairs() ? defects_.size() : 2};
   }
 
-  /// Describes the worst of the last frame's defects if it is above `tolerance`.
+  /// Returns a text on the worst defect of the last frame if that defect is above `tolerance`.
   [[nodiscard]] std::optional<std::string> violation(double tolerance) const;
 
-  /// Momentum defect, and largest of the contact defects, of the last frame.
+  /// Returns the relative momentum defect of the last frame.
   [[nodiscard]] double momentum() const { return now_[1]; }
+  /// Returns the largest of the last frame's relative contact defects: penetration, adhesion and
+  /// complementarity.
   [[nodiscard]] double complementarity() const;
 
-  /// Largest energy of the run so far, J (in 2D J/m).
+  /// Returns the largest energy of the run so far, J (in 2D J/m).
   [[nodiscard]] double largest_energy() const { return energy_; }
 
 private:

@@ -13,7 +13,7 @@ namespace signorini::diagnostics {
 
 namespace {
 
-/// Resets all members but the impulse so far.
+/// Resets all members except the impulse so far.
 void begin(ObstacleForce& one) {
   one = {.min_gap = std::numeric_limits<double>::infinity(), .impulse = one.impulse};
 }
@@ -66,8 +66,8 @@ namespace {
 
 constexpr double unknown = 0.5; // the middle: half a step too early is as likely as too late
 
-/// Time until a gap vanishes, continued linearly from `far` to `near` after the time `between`; limited to a
-/// step of length `step`.
+/// Returns the time until a gap vanishes if it continues linearly. It went from `far` to `near` in the time
+/// `between`. Limited to 0 … `step`, the length of the step; half of `step` if the gap did not fall.
 double crossing(double near, double far, double between, double step) {
   return far > near ? std::clamp(between * near / (far - near), 0.0, step) : unknown * step;
 }

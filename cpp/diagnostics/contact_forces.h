@@ -12,112 +12,120 @@
 
 namespace signorini::diagnostics {
 
-/// Contact force on the body in a step, and impulse so far; in 2D forces are N/m, impulses N s/m.
+/// Contact force of one obstacle, or of all, on the body in a step, and the impulse so far. In 2D forces are
+/// in N/m, impulses in N s/m.
 struct ObstacleForce {
-  std::array<double, 3> force{};   ///< resultant on the body, N
+  std::array<double, 3> force{};   ///< resultant force on the body, N
   double normal_force = 0;         ///< sum of the moduli of the nodal forces, N
-  int active = 0;                  ///< candidates in contact
-  double min_gap = 0;              ///< the least gap of a candidate, m
+  int active = 0;                  ///< number of candidates in contact
+  double min_gap = 0;              ///< least gap of a candidate, m
   std::array<double, 3> impulse{}; ///< Σ τ_k F_k of the steps so far, N s
 };
 
-/// The contact forces of a motion by obstacles, frame by frame. The force of step k, docs/method.md section
-/// 2, acts from t_{k−1} to t_k. Not collective: every rank has all candidates.
+/// Computes the contact forces of a motion by obstacles, frame by frame. The force of step k (docs/method.md
+/// section 2) acts from t_{k−1} to t_k. Not collective: every rank has all candidates.
 class ObstacleForces {
 public:
-  /// `stepper` must outlive this object; without contact there are no obstacles.
+  /// Creates zero forces for the obstacles of `stepper`, none without contact. `stepper` must outlive this
+  /// object.
   explicit ObstacleForces(const step::Stepper& stepper);
 
-  /// Takes the frame after the last one, from frame 0 on, in which no force acts yet. Allocates at the first.
+  /// Computes the forces of the next frame; frames are passed in order, from frame 0 on, in which no force
+  /// acts. Allocates in the first call.
   void observe(const trajectory::Frame& frame);
 
-  /// Forces of each obstacle, by its number in the scene.
+  /// Returns the forces of each obstacle, by its index in the scene.
   [[nodiscard]] const std::vector<ObstacleForce>& each() const { return each_; }
-  /// Force of all obstacles together.
+  /// Returns the force of all obstacles together.
   [[nodiscard]] const ObstacleForce& all() const { return all_; }
 
 private:
   const step::Stepper& stepper_;
   std::vector<ObstacleForce> each_;
   ObstacleForce all_;
-  std::vector<double> forces_; ///< forces of rows, N
+  std::vector<double> forces_; ///< forces of the constraint rows, N
 };
 
-/// Finds the step of the largest contact force of a motion. If forces differ by rounding alone it is the
-/// first of them, which is the same on any number of ranks.
+/// Finds the step of the largest contact force of a motion. Of forces that differ by rounding alone it takes
+/// the first one, which is the same on any number of ranks.
 class LargestForce {
 public:
-  /// Takes the normal force of the next step, N; returns whether it is the largest so far.
+  /// Takes the normal force of the next step, N; returns whether this is the largest force so far.
   bool observe(double force);
 
 private:
   double largest_ = 0;
 };
 
-/// Intervals in which some candidates of a motion are in contact, within steps (docs/method.md section 8).
+/// Intervals of time in which any of some candidates is in contact, resolved within steps (docs/method.md
+/// section 8).
 ///
-/// Counting steps resolves contact times to τ/2. Here an interval of contact begins where the gaps before it,
-/// continued linearly, vanish, and ends where those after it do. With a and b the first and the last step of
-/// the interval with a force, and i the candidates that have one there,
+/// Counting steps resolves contact times to τ/2. Here contact begins where the gaps before the interval,
+/// continued linearly, vanish, and ends where the gaps after it do. Let a and b be the first and the last
+/// step of the interval with a force, and i the candidates that have a force in step a or b, respectively:
 ///     start = t_{a−1} + min_i τ_{a−1} g_{a−1} / (g_{a−2} − g_{a−1})
 ///     end   = t_{b+1} − min_i τ_{b+2} g_{b+1} / (g_{b+2} − g_{b+1})
-/// within the steps a and b + 1. If the two gaps do not fall towards the contact, or there are no two, it is
-/// the middle of that step. With middles throughout the times are those of counting steps. The error is O(τ²)
-/// where bodies meet and part with a speed.
+/// within the steps a and b + 1. If two gaps do not exist or do not fall towards the contact, the middle of
+/// step a or b + 1 is taken. With middles throughout, the times are those of counting steps. The error is
+/// O(τ²) where bodies meet and part with a speed.
 class ContactTimes {
 public:
-  /// `candidates`: numbers of the observed candidates.
+  /// `candidates`: indices of the candidates to observe.
   explicit ContactTimes(std::vector<int> candidates) : candidates_(std::move(candidates)) {}
 
-  /// Takes the contact of all candidates after a step, for k = 0, 1, 2 … in turn.
+  /// Takes the contact of all candidates after step k; to be called for k = 0, 1, 2 … in this order.
   void observe(const step::TimeStep& step, const contact::ContactState& contact);
 
-  /// An interval of contact, s.
+  /// Interval of contact: start and end, s.
   struct Interval {
     double start, end;
   };
-  /// Intervals of the frames observed so far; one that lasts ends with the last of them.
+  /// Returns the intervals of contact in the steps observed so far. An interval that still lasts ends with
+  /// the last of these steps.
   [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
 
 private:
-  /// Time from the begin of step k to the onset of contact in it, and from the release in step k − 1 to the
-  /// end of that step, s.
+  /// Returns the time from the begin of step k to the onset of contact in step k, s.
   [[nodiscard]] double until_onset(const std::vector<int>& touching) const;
+  /// Returns the time from the release of contact in step k − 1 to the end of that step, s.
   [[nodiscard]] double since_release() const;
 
   std::vector<int> candidates_;
-  std::vector<double> before_, last_, now_; ///< gaps after steps k − 2, k − 1 and k
-  std::vector<int> touching_;               ///< indices in candidates_ of those in contact in step k
-  std::vector<int> held_;                   ///< indices of those in the last step of the last interval
+  std::vector<double> before_, last_, now_; ///< gaps after the steps k − 2, k − 1 and k
+  std::vector<int> touching_;               ///< indices in candidates_ of the candidates in contact in step k
+  std::vector<int> held_; ///< indices of the candidates in contact in the last interval's last step
   std::vector<Interval> intervals_;
   step::TimeStep step_, step_before_; ///< steps k and k − 1
   bool ending_ =
       false; ///< step k is the first without contact: the gap after the next one determines the end
 };
 
-/// Suffix of the names that belong to one of several obstacles of a scene, by its index.
+/// Returns the suffix of the names of an obstacle's quantities in a scene with several obstacles, from the
+/// obstacle's index.
 std::string obstacle_suffix(int obstacle);
 
-/// Measures impulse, forces and times of contact frame by frame: of all obstacles together and, where there
-/// are several, of each, with its number at the end of the names. In the plane forces are per metre.
+/// Measures impulse, forces and times of contact frame by frame: of all obstacles together and, if there are
+/// several, of each obstacle, whose number is then appended to the names. In the plane forces are per metre.
 class ContactFigures {
 public:
   /// `stepper` must outlive this object.
   explicit ContactFigures(const step::Stepper& stepper);
 
-  /// Takes the frames of a motion in turn.
+  /// Takes the next frame; frames are passed in order, from frame 0 on.
   void operator()(const trajectory::Frame& frame);
 
-  /// Values by name at the end of a motion that took `end` s; without contact it starts at the end.
+  /// Returns the values by name at the end of a motion whose end time is `end` (s); without any contact,
+  /// contact_start is `end`.
   [[nodiscard]] std::map<std::string, double> numbers(double end) const;
 
 private:
-  /// Figures of one obstacle, or of all.
+  /// Quantities of one obstacle, or of all together.
   struct ObstacleFigures {
     std::string suffix; ///< suffix of the quantities' names
     ContactTimes times;
-    trajectory::ImpulseRecord record{};        ///< record of the sum of the forces' moduli
-    std::array<double, 3> before{}, impulse{}; ///< last step's force, N (in 2D N/m); impulse, N s (N s/m)
+    trajectory::ImpulseRecord record{}; ///< record of the sum of the forces' moduli
+    /// Force of the last step, N (in 2D N/m), and impulse so far, N s (N s/m).
+    std::array<double, 3> before{}, impulse{};
     double peak = 0;
     /// Takes the force of a step that ends at `t` (s).
     void add(double t, const ObstacleForce& now);

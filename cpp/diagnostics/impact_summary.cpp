@@ -15,7 +15,7 @@ std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   return x;
 }
 
-/// Components that are clamped on no node. Collective.
+/// Returns for each component whether it is clamped on no node. Collective.
 std::array<bool, 3> free_components(const step::Stepper& stepper) {
   const int dim = stepper.space().dim();
   std::array<int, 3> clamped{};
@@ -156,8 +156,8 @@ std::optional<Impact> ImpactSummary::impact() const {
     impact.no_restitution = "contact has not ended";
   else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
     impact.no_restitution = along(impact.whole.before, impact.whole.impulse) < 0
-                                ? "the body still comes nearer"
-                                : "the body did not come nearer before";
+                                ? "the body still approaches the obstacle at the end"
+                                : "the body did not approach the obstacle before contact";
   return impact;
 }
 
@@ -211,10 +211,10 @@ std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
 
 std::string ImpactSummary::unfit() const {
   if (!impact_.all.occurred())
-    return "nothing was touched";
+    return "the body touched no obstacle";
   constexpr double rounding = 1e-12;
   if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
-    return "clamps hold the body against the obstacle";
+    return "clamps hold the body in the direction of the contact force";
   if (moving_)
     return "an obstacle moves";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"

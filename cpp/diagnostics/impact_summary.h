@@ -11,23 +11,23 @@
 
 namespace signorini::diagnostics {
 
-/// Contact with one obstacle, or with all of them, over a motion. In 2D forces are N/m, impulses N s/m. Times
-/// are those of steps: the force of step k acts from t_{k−1} to t_k. Peaks are those of the mean of two steps
-/// in a row, since the forces of single contact-implicit steps alternate (docs/method.md section 2).
+/// Contact with one obstacle, or with all obstacles, over a motion. Times are those of steps: the force of
+/// step k acts from t_{k−1} to t_k. Peaks are largest means over two steps in a row, since forces of single
+/// contact-implicit steps alternate (docs/method.md section 2). In 2D forces are in N/m, impulses in N s/m.
 struct Touch {
   std::string name;                ///< name of the obstacle
-  double start = 0, end = 0;       ///< begin of the first step with a contact force, end of the last one, s
-  double contact_time = 0;         ///< duration of all steps with a contact force, s
+  double start = 0, end = 0;       ///< begin of the first, end of the last step with a contact force, s
+  double contact_time = 0;         ///< total length of the steps with a contact force, s
   std::array<double, 3> impulse{}; ///< impulse of the resultant
   double normal_impulse = 0;       ///< impulse of the sum of the moduli of the nodal forces
   double peak = 0;                 ///< largest modulus of the resultant
   double normal_peak = 0;          ///< largest sum of the moduli of the nodal forces
-  double peak_time = 0;            ///< time of that sum, between its two steps, s
+  double peak_time = 0;            ///< time of that peak, between its two steps, s
   bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: the peak
                                    ///< is then that of the first hit, and mostly depends on step and size
-  double largest_step = 0;         ///< largest sum of the moduli in a single step
+  double largest_step = 0;         ///< largest sum of the nodal forces' moduli in a single step
   double impulse_duration = 0;     ///< time from 1 to 99 % of the normal impulse, s
-  double sustained_peak = 0;       ///< largest mean of the sum of the moduli over `sustained_over`, N
+  double sustained_peak = 0;       ///< largest mean of that sum over `sustained_over`, N
   double sustained_over = 0;       ///< time in which a wave crosses four elements in contact, or two steps, s
   double least_gap = std::numeric_limits<double>::infinity(); ///< least gap at the end of a step, m
   double least_gap_time = 0;                                  ///< first time of that gap, s
@@ -37,36 +37,37 @@ struct Touch {
 
 /// Effect of contact on the motion of the body as a whole.
 struct Rebound {
-  double start = 0, end = 0;       ///< begin of the first and end of the last step with a force, s
-  int touches = 1;                 ///< between two, no candidate is in contact for two steps or more
+  double start = 0, end = 0; ///< begin of the first, end of the last step with a force, s
+  int touches = 1; ///< number of touches; between two, no candidate is in contact for two steps or more
   std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s, in 2D N s/m
-  double peak = 0;                 ///< Touch::normal_peak of these steps
-  std::array<double, 3> before{},  ///< velocity of the centre of mass at the start, m/s
-      after{};                     ///< velocity at the end, m/s
-  /// Restitution −(after·n)/(before·n) along n, the part of the impulse in components without clamps. Only of
-  /// a body that moved towards one obstacle at rest, touched no other, and left it.
+  double peak = 0;                 ///< largest sum of nodal forces' moduli in the mean of two steps, N
+  std::array<double, 3> before{},  ///< velocity of the centre of mass at `start`, m/s
+      after{};                     ///< velocity of the centre of mass at `end`, m/s
+  /// Coefficient of restitution −(after·n)/(before·n), n being the impulse in components without clamps.
+  /// Defined only if the body moved towards one obstacle at rest, touched no other obstacle, and left it.
   std::optional<double> restitution{};
 };
 
-/// The motion of the body as a whole before and after contact.
+/// Motion of the body as a whole before and after contact.
 struct Impact {
-  double mass = 0; ///< kg, in 2D kg/m
-  std::vector<Touch> obstacles;
-  Touch all;
+  double mass = 0;              ///< mass of the body, kg, in 2D kg/m
+  std::vector<Touch> obstacles; ///< contact with each obstacle
+  Touch all;                    ///< contact with all obstacles together
   bool ended = false;           ///< whether no candidate was in contact in the last two steps
-  Rebound whole;                ///< effect from the first contact to the last
-  std::vector<Rebound> bounces; ///< one by one: touches with longer pauses between them than within
-  std::string no_restitution;   ///< why `whole` has no restitution; empty if it has one
+  Rebound whole;                ///< effect of contact, from the first force to the last
+  std::vector<Rebound> bounces; ///< effect of each bounce; pauses between bounces are longer than within
+  std::string no_restitution;   ///< reason why `whole` has no restitution; empty if it has one
 
-  /// Whether `t` is within `crossing`, the time (s) that a wave takes across the body, after a bounce began.
+  /// Returns whether time `t` (s) is within `crossing` (s) after the begin of a bounce. `crossing`: time in
+  /// which a wave crosses the body.
   [[nodiscard]] bool begins(double t, double crossing) const;
 };
 
-/// Sources and sinks of the energy of a motion, J, in 2D J/m: the sums over its steps.
+/// Sources and sinks of a motion's energy, J (in 2D J/m), as sums over its steps.
 struct EnergyAccount {
   double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
   double load_work = 0;           ///< work of the scene's loads
-  double other_work = 0;          ///< work of a control and of clamps that move
+  double other_work = 0;          ///< work of a control and of moving clamps
   double contact_work = 0;        ///< work of contact
   double viscous_dissipation = 0; ///< dissipation by viscosity
   double residual = 0;            ///< residual of the energy law
@@ -78,36 +79,42 @@ public:
   /// Collective. The references must outlive this object.
   ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene);
 
-  /// Takes the frame after the last one, from frame 0 on, its balance and its contact forces. Not collective.
+  /// Takes the next frame with its balance and contact forces; frames are passed in order, from frame 0 on.
+  /// Not collective.
   void observe(const trajectory::Frame& frame, const StepBalance& balance, const ObstacleForces& forces);
 
   [[nodiscard]] const EnergyAccount& energy() const { return energy_; }
-  /// Effect of contact; absent in a scene without contact.
+  /// Returns the effect of contact so far; nothing in a scene without contact.
   [[nodiscard]] std::optional<Impact> impact() const;
 
 private:
-  /// State of an obstacle, or of all, after the last step, for means of two steps.
+  /// Contact with an obstacle, or with all, after the last step, from which means over two steps are
+  /// computed.
   struct Last {
     std::array<double, 3> force{};
     double normal_force = 0;
-    int open = 0;     ///< steps in a row without a force, before the first one too
-    double begun = 0; ///< time at which contact last began after that, s
+    int open = 0;     ///< number of steps in a row without a force
+    double begun = 0; ///< time at which contact last began after such a pause, s
   };
+  /// Adds one step to the contact with an obstacle, or with all.
   void take(const trajectory::Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
-  /// Adds one step to the current bounce: the body's momentum before and after it, kg m/s.
+  /// Adds one step with a force to the current touch. `before`, `after`: the body's momentum before and after
+  /// the step, kg m/s.
   void rebound(const trajectory::Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
                const std::array<double, 3>& after);
-  /// Reason why no coefficient of restitution is defined; empty if one may be.
+  /// Returns the reason why no coefficient of restitution is defined; empty if one may be.
   [[nodiscard]] std::string unfit() const;
-  /// Groups touches into bounces: a flutter is one bounce.
+  /// Returns the bounces, groups of touches: a flutter is one bounce.
   [[nodiscard]] std::vector<Rebound> bounces() const;
-  /// Whether two rebounds are one bounce, since the pause between them is no flight. It is short beside both,
-  /// or shorter than the shortest bounce, in which a wave crosses the body and returns. Or the body, if `fit`
-  /// for a restitution, has not turned.
+  /// Returns whether two successive rebounds belong to one bounce, since the body does not fly in the pause
+  /// between them. The pause is short relative to both, or shorter than the shortest bounce, in which a wave
+  /// crosses the body and returns. With `fit`, a body for which a restitution is defined, it also suffices
+  /// that the body has not turned back.
   [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool fit) const;
-  /// Restitution −(after·n)/(before·n), if the body came nearer and left.
+  /// Returns the coefficient of restitution −(after·n)/(before·n); nothing unless the body came nearer before
+  /// and left after.
   [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
-  /// The product of a velocity and an impulse in components without clamps.
+  /// Returns the product of a velocity and an impulse over the components without clamps.
   [[nodiscard]] double along(const std::array<double, 3>& velocity,
                              const std::array<double, 3>& impulse) const;
 
@@ -117,12 +124,13 @@ private:
   double crossing_; ///< crossing time of a wave, s
   EnergyAccount energy_;
   Impact impact_;
-  std::vector<Last> last_;                         ///< states of each obstacle, then of all
-  std::vector<trajectory::ImpulseRecord> records_; ///< sums of the moduli, of each obstacle, then of all
+  std::vector<Last> last_; ///< entries for each obstacle, then for all together
+  /// Records of the sums of the nodal forces' moduli, for each obstacle, then for all together.
+  std::vector<trajectory::ImpulseRecord> records_;
   std::vector<Rebound> touches_;
   std::array<double, 3> momentum_{}, impulse_{}; ///< body's momentum; contact impulse before the last touch
-  int open_steps_ = 0;                           ///< steps in a row without a candidate in contact
-  bool parted_ = true; ///< whether so many were open that the next force begins a touch
+  int open_steps_ = 0;                           ///< number of steps in a row without a candidate in contact
+  bool parted_ = true; ///< whether the pause is long enough that the next force begins a touch
 };
 
 } // namespace signorini::diagnostics

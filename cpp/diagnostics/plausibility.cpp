@@ -20,17 +20,17 @@ using petsc::check;
 
 namespace {
 
-/// Limit of strain: small strain neglects ε²/2 of a stretch ε, here a fortieth of it.
+/// Limit of strain. Small strain neglects ε²/2 of a stretch ε, at this limit a fortieth of ε.
 constexpr double small_strain = 0.05;
-/// Limit of rotation: in small strain a rotation by θ stretches the body by θ²/2, here by 0.4 per cent, as
-/// much as a strong load stretches a stiff body.
+/// Limit of rotation, radians. In small strain a rotation by θ stretches the body by θ²/2, at this limit by
+/// 0.4 per cent, as much as a strong load stretches a stiff body.
 constexpr double small_rotation = 5 * std::numbers::pi / 180;
-/// Error of a linearised gap relative to the node's displacement, with the same limit as strain.
+/// Limit of the error of a linearised gap, relative to the node's displacement; the same as that of strain.
 constexpr double small_gap_error = 0.05;
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
-/// A value above a limit as text, in four digits or as many as show that it is above.
+/// Returns a value above a limit as text, with four digits or as many as show that it is above the limit.
 std::string above(double value, double limit) {
   int digits = 4;
   std::string text = fmt::format("{:.{}g}", value, digits);
@@ -39,9 +39,9 @@ std::string above(double value, double limit) {
   return text;
 }
 
-/// Value, a second figure and place (3), ordered by the value.
+/// A value, a second figure and a place (3); rows are ordered by the value.
 using Row = std::array<double, 5>;
-/// The largest of all ranks' rows. Collective.
+/// Returns the largest of all ranks' rows. Collective.
 Row largest(MPI_Comm comm, const Row& mine) {
   const std::vector<Row> all = gather(comm, std::vector<Row>{mine});
   return *std::ranges::max_element(all);
@@ -142,7 +142,7 @@ std::string Plausibility::where(const Worst& worst) const {
 }
 
 std::string Plausibility::since(const Worst& worst) {
-  return fmt::format("(first exceeded by t = {:.6g} s)", worst.passed);
+  return fmt::format("(limit first exceeded by t = {:.6g} s)", worst.passed);
 }
 
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
@@ -151,7 +151,8 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
   if (parts > 1)
     warnings.push_back(
         {"parts of the mesh",
-         fmt::format("the mesh is in {} parts that share no node and move as if the others were not there",
+         fmt::format("the mesh consists of {} parts that share no node; each part moves independently of the "
+                     "others",
                      parts),
          static_cast<double>(parts), 1});
   for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
@@ -164,10 +165,10 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
                             static_cast<double>(facets), 0});
     };
     add("contact inside the body", fem::inner_facets(space.mesh(), group, key + ".on"),
-        "inside the body, where no obstacle can touch it");
+        "inside the body, out of reach of any obstacle");
     add("contact on a clamp",
         fem::facets_among(space, group, key + ".on", stepper_.pairs()->clamped_dofs(static_cast<int>(i))),
-        "held by clamps: they touch nothing, wherever the obstacle is");
+        "fixed by clamps, which cannot come into contact");
   }
 }
 
@@ -179,13 +180,14 @@ std::vector<Warning> Plausibility::warnings() {
   if (strain_.value > small_strain)
     found.push_back(
         {"large strain",
-         fmt::format("a principal strain is {} {}: small strain is meant for less than {} {}",
+         fmt::format("a principal strain is {} {}; the small-strain model is meant for strains below {} {}",
                      above(strain_.value, small_strain), where(strain_), small_strain, since(strain_)),
          strain_.value, small_strain});
   if (rotation_.value > small_rotation)
     found.push_back(
         {"large rotation",
-         fmt::format("the body turns by {} degrees {}: small strain is meant for less than {:.3g} {}",
+         fmt::format("the body turns by {} degrees {}; the small-strain model is meant for rotations below "
+                     "{:.3g} degrees {}",
                      above(degrees(rotation_.value), degrees(small_rotation)), where(rotation_),
                      degrees(small_rotation), since(rotation_)),
          degrees(rotation_.value), degrees(small_rotation)});
@@ -202,8 +204,8 @@ std::vector<Warning> Plausibility::warnings() {
                      slip_.value, 1});
   if (gap_.value > small_gap_error)
     found.push_back({"linearised gap",
-                     fmt::format("the gap of the node {} is off by {} of its displacement (limit {}), since "
-                                 "the obstacle is linearised about the undeformed body",
+                     fmt::format("the gap of the node {} has an error of {} of the node's displacement "
+                                 "(limit {}): the obstacle is linearised about the undeformed body",
                                  where(gap_), above(gap_.value, small_gap_error), small_gap_error),
                      gap_.value, small_gap_error});
   return found;
@@ -211,13 +213,13 @@ std::vector<Warning> Plausibility::warnings() {
 
 namespace {
 
-/// Limits for solids. None has faster waves than diamond, 18 km/s, or a higher density than osmium, 22,600
-/// kg/m³. Those from 2000 kg/m³ on are stones, glasses and metals; lead has the slowest waves of these, 1.2
-/// km/s.
+/// Limits of wave speeds (m/s) and densities (kg/m³) of solids. No solid has faster waves than diamond, 18
+/// km/s, or a higher density than osmium, 22,600 kg/m³. Solids from 2000 kg/m³ on are stones, glasses and
+/// metals; lead has the slowest waves of these, 1.2 km/s.
 constexpr double fastest = 20e3, densest = 25e3, heavy = 2000, slow_if_heavy = 100;
-/// Lengths beyond which a body is probably drawn in another unit, m.
+/// Lengths (m) above or below which a body is probably drawn in another unit.
 constexpr double longest = 1000, shortest = 1e-5;
-/// Largest distance of an obstacle that the body does not reach, in lengths of the body.
+/// Largest plausible distance of an obstacle that the body does not reach, in lengths of the body.
 constexpr double farthest = 10;
 
 void warn_of_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& warnings) {
@@ -244,15 +246,15 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
                    std::vector<std::string>& warnings) {
   const scene::Time& time = scene.time;
   const char* const hint = scene.mesh.unit == scene::LengthUnit::m
-                               ? "mesh.unit = \"mm\" takes a mesh in millimetres"
-                               : "mesh.unit = \"m\" takes a mesh in metres";
+                               ? "set mesh.unit = \"mm\" if the mesh is in millimetres"
+                               : "set mesh.unit = \"m\" if the mesh is in metres";
   const double length = std::ranges::max(figures.extent);
   const bool waves_known = warnings.empty(); // times that follow from implausible speeds add nothing
   if (length > longest || length < shortest)
     warnings.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
   else if (waves_known && time.end < figures.crossing)
-    warnings.push_back(fmt::format("the run ends at {:.3g} s, before a wave crosses the body of {:.3g} m, "
-                                   "which takes {:.3g} s; {}, and moduli are in Pa",
+    warnings.push_back(fmt::format("the run ends at {:.3g} s, before a wave has crossed the body of {:.3g} "
+                                   "m, which takes {:.3g} s; {}. Moduli are in Pa",
                                    time.end, length, figures.crossing, hint));
   else if (waves_known && !time.automatic() && figures.crossing_steps < 1)
     warnings.push_back(fmt::format("in a step of {:.3g} s a wave crosses the body of {:.3g} m {:.3g} times; "
@@ -264,11 +266,13 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
   if (gap > farthest * length &&
       std::ranges::none_of(trajectory::first_touches(stepper, scene), &trajectory::FirstTouch::occurs))
     warnings.push_back(fmt::format(
-        "the obstacle is {:.3g} m away from a body of {:.3g} m, which does not reach it by {:.3g} s; {}", gap,
-        length, time.end, hint));
+        "the obstacle is {:.3g} m away from the body of {:.3g} m, which does not reach the obstacle until "
+        "{:.3g} s; {}",
+        gap, length, time.end, hint));
 }
 
-/// Warns if most of the body is inside of an obstacle; its surface does not count, as it may stand on it.
+/// Adds a warning if more than half of the mesh's nodes are inside an obstacle. Nodes on the obstacle's
+/// surface do not count, since the body may stand on it.
 void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& warnings) {
   const contact::ContactPairs* pairs = stepper.pairs();
   const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
@@ -286,14 +290,13 @@ void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& war
     MPI_Allreduce(MPI_IN_PLACE, nodes.data(), 2, MPI_INT64_T, MPI_SUM, stepper.space().comm());
     if (2 * nodes[0] > nodes[1])
       warnings.push_back(fmt::format(
-          "{}: {:.0f} % of the body is inside the obstacle, whose normal points out of "
-          "it and may be reversed",
+          "{}: {:.0f} % of the body is inside the obstacle; check that its normal points out of the obstacle",
           pairs->key(number), 100 * static_cast<double>(nodes[0]) / static_cast<double>(nodes[1])));
   }
 }
 
-/// Warns of few elements of degree 1 across a slender clamped body: with four it is ten per cent too stiff in
-/// bending.
+/// Adds a warning if a slender clamped body has few elements of degree 1 across: with four elements it is ten
+/// per cent too stiff in bending.
 void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
                      std::vector<std::string>& warnings) {
   constexpr double slender = 4, enough = 6, percent_at_four = 10;
@@ -303,8 +306,9 @@ void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, co
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)
-    warnings.push_back(fmt::format("a clamped slender body has {:.2g} elements of degree 1 across, which are "
-                                   "too stiff in bending by some {:.2g} %; set mesh.degree = 2",
+    warnings.push_back(fmt::format("the slender clamped body has {:.2g} elements of degree 1 across its "
+                                   "thickness, which make it about {:.2g} % too stiff in bending; set "
+                                   "mesh.degree = 2",
                                    across, percent_at_four * 16 / (across * across)));
 }
 

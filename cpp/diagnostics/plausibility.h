@@ -12,35 +12,35 @@
 namespace signorini::diagnostics {
 
 /// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
-/// undeformed body, one body. The model gives a result for any other motion too, and no solver detects that.
-/// Checks a few frames, outside of the steps: the first in each of `looks` equal parts of the time, the last,
-/// and, if energies are given, that of the largest elastic energy.
+/// undeformed body, one body. Outside of these the model still gives a result, and no solver detects the
+/// violation. Checks only a few frames: the first one in each of `looks` equal parts of the time, the last
+/// one, and, if energies are given, the one with the largest elastic energy.
 class Plausibility {
 public:
-  /// Number of parts of the time in which a frame is checked.
+  /// Number of equal parts of the time, in each of which one frame is checked.
   static constexpr int looks = 16;
 
-  /// Collective. The references must outlive this object.
+  /// Prepares the checks of a motion. Collective. The references must outlive this object.
   Plausibility(const step::Stepper& stepper, const scene::Scene& scene);
 
-  /// Observes the frame that follows the last one, from frame 0 on; `balance` is null if it is not known.
-  /// Collective.
+  /// Observes the next frame; frames are passed in order, from frame 0 on. `balance`: null if energies are
+  /// not computed. Collective.
   void observe(const trajectory::Frame& frame, const StepBalance* balance);
 
-  /// The warnings at the end of a motion: one of each kind, of the mesh one for each contact table concerned.
-  /// Collective.
+  /// Returns the warnings at the end of a motion: at most one of each kind, but one for each contact table if
+  /// they concern the mesh's contact groups. Collective.
   [[nodiscard]] std::vector<Warning> warnings();
 
 private:
-  /// The largest value of a kind so far, above the limit or not, with its time and place, and the first
-  /// sampled time at which it was above.
+  /// Largest value of a checked quantity so far, above its limit or not, with its time and place. `passed`:
+  /// first sampled time at which the limit was exceeded.
   struct Worst {
     double value = 0, time = 0;
     std::array<double, 3> at{};
     double passed = std::numeric_limits<double>::infinity();
   };
 
-  /// Checks a state at time `t` (s).
+  /// Checks the displacement `y` at time `t` (s).
   void look(Vec y, double t);
   void look_at_contact(Vec y, double t);
   void add_of_mesh(std::vector<Warning>& warnings) const;
@@ -52,9 +52,9 @@ private:
   int looked_ = 0;         ///< number of parts of the time in which a frame has been checked
   petsc::Vector strained_; ///< y at the largest elastic energy so far
   double energy_ = 0;
-  double strained_at_ = -1; ///< s; < 0: never
+  double strained_at_ = -1; ///< time of that displacement, s; < 0: none
   Worst strain_, rotation_, inverted_, slip_, gap_;
-  std::vector<double> gaps_; ///< (m)
+  std::vector<double> gaps_; ///< gaps of the constraint rows, m
   std::optional<contact::ContactPairs::Gaps> psi_;
 };
 
@@ -66,15 +66,15 @@ struct BodyFigures {
   std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
   std::array<double, 2> shear_waves{};    ///< least and greatest speed over the materials, m/s
   double crossing = 0;                    ///< time in which the fastest wave crosses the greatest extent, s
-  double crossing_steps = 0;              ///< time steps in that time; 0: their length varies
+  double crossing_steps = 0;              ///< number of time steps in that time; 0: automatic steps
   std::vector<std::string> warnings;      ///< implausible figures, one sentence each
-  std::vector<std::string> notes;         ///< interpretation of the mesh, one sentence each; on rank 0 only
+  std::vector<std::string> notes; ///< notes on how the mesh was read, one sentence each; on rank 0 only
 
-  /// The figures in words, without the warnings.
+  /// Returns the figures as a line of text, without the warnings.
   [[nodiscard]] std::string line() const;
 };
 
-/// Figures of the undeformed body of a scene. Collective.
+/// Returns extent, mass, wave speeds and warnings of a scene's undeformed body. Collective.
 BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene);
 
 } // namespace signorini::diagnostics

@@ -15,7 +15,8 @@ constexpr const char* axes[] = {"x", "y", "z"};
 
 std::string key_of(std::size_t probe) { return fmt::format("output.probe[{}]", probe); }
 
-/// A field of V given by its values at nodes. `at(x, value)` sets the value (dim) at the point x (3).
+/// Returns a field of V from its values at nodes. `at(x, value)` sets the value (dim entries) at the point x
+/// (3 coordinates).
 template <class At>
 petsc::Vector field(const fem::Space& space, At&& at) {
   petsc::Vector result = space.vector();
@@ -26,7 +27,8 @@ petsc::Vector field(const fem::Space& space, At&& at) {
   return result;
 }
 
-/// The unit infinitesimal rotation about an axis (0 to 2; in the plane 2) through `centre`.
+/// Returns the unit infinitesimal rotation about an axis (0 to 2; in the plane 2) through `centre`, as a
+/// field of V.
 petsc::Vector rotation(const fem::Space& space, std::size_t axis, const std::vector<double>& centre) {
   const std::size_t first = (axis + 1) % 3, second = (axis + 2) % 3;
   return field(space, [&](const double* x, double* value) { // e × (x − centre)

@@ -9,47 +9,47 @@
 
 namespace signorini::diagnostics {
 
-/// Quantities that a scene records over time, [[output.probe]]. At a point or as a mean over a group these
-/// are displacement and velocity, and the reaction of a group's clamps. Of an obstacle they are force and
-/// impulse; of the body centre of mass, momentum and mean rotation. That is the rotation of the rigid motion
-/// nearest to y in the norm of the mass.
+/// Computes the quantities that a scene records over time ([[output.probe]]). At a point, or as the mean over
+/// a group: displacement and velocity; for a clamped group also the reaction of its clamps. For an obstacle:
+/// force and impulse. For the body: centre of mass, momentum and mean rotation, which is that of the rigid
+/// motion nearest to y in the norm of the mass.
 class Probes {
 public:
-  /// Collective. The references must outlive this object. Throws UserError if a point is outside of the body,
-  /// or if there is no group of that name.
+  /// Prepares all probes of the scene. Collective. The references must outlive this object. Throws UserError
+  /// if a point is outside the body or a named group does not exist.
   Probes(const step::Stepper& stepper, const scene::Scene& scene);
 
-  /// Names of the values, `<name of the probe>.<quantity>`, in SI units.
+  /// Returns the names of the values, `<name of the probe>.<quantity>`; values are in SI units.
   [[nodiscard]] const std::vector<std::string>& columns() const { return names_; }
 
-  /// Whether a probe needs the reactions of the clamps.
+  /// Returns whether a probe needs the reactions of the clamps.
   [[nodiscard]] bool need_reactions() const { return reactions_; }
 
-  /// Appends the values of a frame. `reactions`: forces of the clamps (Balance); null if not needed.
-  /// Collective.
+  /// Appends the values of a frame to `values`. `reactions`: forces of the clamps (Balance::reactions());
+  /// null if not needed. Collective.
   void add_values(const trajectory::Frame& frame, const ObstacleForces& forces, Vec reactions,
                   std::vector<double>& values) const;
 
 private:
-  /// Data of a frame from which values are computed.
+  /// Data of a frame from which the probes' values are computed.
   struct Sample {
-    Vec y, v, reactions;            ///< fields; the forces of the clamps are null if not needed
+    Vec y, v, reactions;            ///< fields; reactions of the clamps, null if not needed
     std::vector<double> y_at, v_at; ///< y and v at the points (points × dim)
     const std::vector<ObstacleForce>& obstacles;
     const std::vector<petsc::Vector>& weights;
   };
   using ProbeValue = std::function<double(const Sample& now)>;
 
-  /// Returns the value factor · (weights · field) + offset, by the number of the weights.
+  /// Returns a function for the value factor · (w · field) + offset, w being the entry `weights` of weights_.
   [[nodiscard]] static ProbeValue linear(std::size_t weights, Vec Sample::* field, double factor = 1,
                                          double offset = 0);
   void add(const std::string& probe, const std::string& quantity, const ProbeValue& value);
-  /// Adds a value for each component; `make(c)` returns it.
+  /// Adds a value for each component c; `make(c)` returns the function that computes it.
   template <class Make>
   void add_vector(const std::string& probe, const std::string& quantity, Make&& make);
-  /// Creates the sampler of all points.
+  /// Creates the sampler of all probes' points.
   void find_points(const std::vector<scene::Probe>& probes);
-  /// Adds the values of a point; `number`: its index among all points.
+  /// Adds the values of a probe at a point. `number`: index of that point among all points.
   void add_point(const std::string& probe, std::size_t number);
   void add_obstacle(const std::string& probe, std::size_t obstacle);
   void add_group(const std::string& probe, const std::string& group, const std::string& key);

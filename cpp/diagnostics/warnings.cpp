@@ -19,12 +19,12 @@ constexpr int wanted = 5, few = 2;
 
 using Point = std::array<double, 3>;
 
-/// A neighbouring candidate, in coordinates along the obstacle's tangent plane.
+/// Neighbouring candidate, in coordinates of the obstacle's tangent plane.
 struct Neighbour {
-  double distance, xi, eta, rise; ///< m; rise: of the gap over that at the centre
+  double distance, xi, eta, rise; ///< m; rise: gap minus the gap at the centre
 };
 
-/// Two unit vectors normal to ν and to each other; in the plane one, and zero.
+/// Returns two unit vectors normal to ν and to each other; in the plane one unit vector and zero.
 std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
   if (dim == 2)
     return {Point{-nu[1], nu[0], 0}, Point{}};
@@ -42,7 +42,7 @@ std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
                        nu[0] * first[1] - nu[1] * first[0]}};
 }
 
-/// The nearest candidates of the same obstacle, in ascending distance.
+/// Returns the nearest candidates of the same obstacle around candidate `centre`, in ascending distance.
 std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_t centre) {
   const auto dim = static_cast<std::size_t>(pairs.dim());
   const std::size_t most = dim == 2 ? 4 : 18; // two on either side, two rings of triangles
@@ -66,8 +66,9 @@ std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_
   return all;
 }
 
-/// Mean curvature of the gap, 1/m: a paraboloid of revolution, in the plane a parabola, with its lowest point
-/// anywhere, is fitted by least squares. Nothing where there are too few candidates. `h`: their spacing, m.
+/// Returns the mean curvature of the gap, 1/m, by a least-squares fit of a paraboloid of revolution (in the
+/// plane a parabola) with its lowest point anywhere. Returns nothing if there are too few candidates. `h`:
+/// spacing of the candidates, m.
 std::optional<double> curvature(const std::vector<Neighbour>& around, double h, std::size_t dim) {
   const std::size_t n = dim + 1;
   std::vector<double> normal(n * n), right(n);
@@ -89,8 +90,8 @@ std::optional<double> curvature(const std::vector<Neighbour>& around, double h, 
 
 } // namespace
 
-Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most, double force,
-                    double modulus) {
+CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candidate, int most, double force,
+                                   double modulus) {
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
   const bool plane = pairs.dim() == 2;
   std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
@@ -98,7 +99,7 @@ Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most,
     ring = 1;
   if (ring == 0)
     return {pairs.diameter(), 0};
-  Spacing spacing;
+  CandidateSpacing spacing;
   for (std::size_t i = 0; i < ring; ++i)
     spacing.found += around[i].distance / static_cast<double>(ring);
   // Five nodes should cover the area, in the plane the length, that the nodes in contact cover now: the least
@@ -168,11 +169,11 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   for (const scene::Material& material : scene_.materials)
     modulus = std::max(modulus, material.young / (1 - material.poisson * material.poisson));
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const Spacing spacing = spacing_for(pairs, zone.candidate, zone.most, zone.force, modulus);
+  const CandidateSpacing spacing = candidate_spacing(pairs, zone.candidate, zone.most, zone.force, modulus);
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
   std::string message =
       fmt::format("the mesh is too coarse at {} m, t = {:.6g} s. At most {} touch{} \"{}\" at once, so that "
-                  "force and motion are those of single nodes. Nodes there are {:.3g} m apart",
+                  "force and motion depend on single nodes. Nodes there are {:.3g} m apart",
                   point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
                   zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
   if (spacing.enough > 0) {
@@ -184,7 +185,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
     else if (!scene_.mesh.meshed())
       message += fmt::format(" (mesh.scale = {:.2g})", scene_.mesh.scale * ratio);
   } else {
-    message += ", at an edge or a corner of the body, where more would touch on no mesh";
+    message += ", at an edge or a corner of the body, where no finer mesh brings more nodes into contact";
   }
   return {"few nodes in contact", message, spacing.found, spacing.enough};
 }
@@ -216,8 +217,8 @@ std::string calmer_contact(const step::Stepper& stepper) {
 
 namespace {
 
-/// Limit relative to the largest energy: above the loss at the default accuracies, and well below one that a
-/// restitution shows.
+/// Largest energy lost in contact without a warning, relative to the largest energy. It is above the loss at
+/// the default accuracies, and well below a loss that a restitution shows.
 constexpr double small_loss = 0.03;
 
 } // namespace
@@ -229,10 +230,10 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
   return {{"energy lost in contact",
-           fmt::format("contact took {:.2g} of the largest energy of the motion, {:.3g} {}, though its "
+           fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} {}, though the "
                        "obstacles are at rest. This error falls with the step ({}) down to {:.1e} s, in "
-                       "which a wave crosses an element in contact. Below that it falls with mesh.size or, "
-                       "if contact.mass is \"massless\", with the step still",
+                       "which a wave crosses an element in contact. Below that, only a smaller mesh.size "
+                       "reduces the error; with contact.mass = \"massless\" shorter steps still do",
                        part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
                        scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
            part, small_loss}};
@@ -240,9 +241,9 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
 
 namespace {
 
-constexpr double most = 0.5; ///< largest approach relative to a depth
+constexpr double most = 0.5; ///< largest approach in a step without a warning, relative to a depth
 
-/// The extent of the body along a normal, m.
+/// Returns the extent of the body along a normal, m.
 double depth_along(const double* nu, const std::array<double, 3>& extent, std::size_t dim) {
   double sum = 0;
   for (std::size_t c = 0; c < dim; ++c)
@@ -303,7 +304,7 @@ std::vector<Warning> Passage::warnings() const {
   for (std::size_t o = 0; o < worst_.size(); ++o)
     if (const Worst& worst = worst_[o]; worst.share > most)
       found.push_back({"passage within a step",
-                       fmt::format("{}: in the step to t = {:.6g} s obstacle and body approach by {:.3g} m, "
+                       fmt::format("{}: in the step to t = {:.6g} s, obstacle and body approach by {:.3g} m, "
                                    "{:.3g} times the depth of the thinner one, {:.3g} m. One may pass "
                                    "through the other within the step; set time.step below {:.2g} s",
                                    stepper_.pairs()->key(static_cast<int>(o)), worst.step.end, worst.path,
@@ -337,7 +338,7 @@ std::vector<Warning> StepWarnings::warnings() const {
 
 namespace {
 
-/// Largest ratio of the largest stress to the recovered one on a mesh that resolves it.
+/// Largest ratio of the largest stress to the recovered stress on a mesh that resolves it.
 constexpr double resolved = 1.3;
 
 } // namespace
@@ -375,19 +376,20 @@ std::vector<Warning> LargestStress::warnings() {
   };
   const double factor = stress.largest.value / stress.recovered;
   std::string text = fmt::format("the largest von Mises stress, {:.4g} Pa in the cell at {}, is {:.3g} times "
-                                 "the value recovered from its neighbours (limit {}). It depends on the mesh",
+                                 "the value recovered from the neighbouring cells (limit {}). This stress "
+                                 "depends on the mesh",
                                  stress.largest.value, place(stress.largest.at), factor, resolved);
   if (stress.corner && stress.angle > fem::reentrant)
-    text += fmt::format(": it grows without bound at the corner {}, around which {:.2g} of the full angle is "
-                        "body. Round the corner, or evaluate the stress elsewhere",
+    text += fmt::format(": with refinement it grows without bound at the corner {}, where the body fills "
+                        "{:.2g} of the full angle. Round the corner, or evaluate the stress elsewhere",
                         place(*stress.corner), stress.angle);
   else if (stress.corner)
     text +=
-        fmt::format("; smaller elements at {} show whether it converges, which it does not where a clamp, "
-                    "a load or contact ends there",
+        fmt::format("; use smaller elements at {} to see whether the stress converges. It does not where a "
+                    "clamp, a load or contact ends",
                     place(*stress.corner));
   else
-    text += "; smaller elements there show whether it converges";
+    text += "; use smaller elements there to see whether the stress converges";
   return {{stress_of_the_mesh, text, factor, resolved}};
 }
 

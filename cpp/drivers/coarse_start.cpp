@@ -15,22 +15,22 @@
 namespace signorini::drivers {
 namespace {
 
-/// Multiples of the element size and the time step, the coarsest first.
+/// Multiples of the scene's element size and time step for the coarse levels, in descending order.
 constexpr int multiples[] = {4, 2};
 
-/// Least cells and steps of a level. Smaller levels predict little of the next one, whose search is cheap
-/// anyway: the half disc of 200 cells still saves half of the sweeps on 800.
+/// Least numbers of cells and steps of a coarse level. A smaller level predicts little of the next level,
+/// whose search is cheap anyway. A half disc of 200 cells still saves half of the sweeps on 800 cells.
 constexpr double least_cells = 100;
 constexpr int least_steps = 10;
 
-/// Gradient norm to which a level is solved, relative to the first guess's. The rest is below the error of
-/// the discretisation. With ten times this tolerance the next mesh takes twice the sweeps, with a third of it
-/// no fewer (half disc, 57, 29 and 37 at 0.5 m).
+/// Gradient norm at which the search on a coarse level stops, relative to the norm at the first guess. The
+/// remaining error is below that of the discretisation. With ten times this tolerance the next mesh takes
+/// twice the sweeps; with a third of it, no fewer (half disc at 0.5 m: 57, 29 and 37 sweeps).
 constexpr double coarse_tolerance = 1e-3;
-/// Most iterations on a level; a cold search needs about half of them.
+/// Largest number of iterations on a coarse level; a search without inherited state needs about half of it.
 constexpr int most_iterations = 60;
 
-/// Scene of a level, without output.
+/// Scene of a coarse level, without output.
 scene::Scene coarser(const scene::Scene& scene, int multiple) {
   scene::Scene coarse =
       scene::resized(scene, *scene.mesh.size * multiple, (scene.time.steps + multiple - 1) / multiple);
@@ -40,18 +40,18 @@ scene::Scene coarser(const scene::Scene& scene, int multiple) {
   return coarse;
 }
 
-/// Whether a level has enough cells and steps, estimated from the fine mesh.
+/// Whether a coarse level has enough cells and steps, as estimated from the scene's mesh.
 bool worth(const problem::Problem& problem, int multiple) {
   const double cells = static_cast<double>(problem.mesh.cells()) / std::pow(multiple, problem.mesh.dim());
   const scene::Time time = coarser(problem.scene, multiple).time;
   return cells >= least_cells && (time.automatic() || time.steps >= least_steps);
 }
 
-/// Throws UserError unless the mesh of a level has fewer cells than the fine one: a .geo may set sizes
-/// itself.
+/// Throws UserError if a coarse mesh has more than half of the cells of the fine mesh, as with a .geo that
+/// sets sizes itself.
 void require_fewer_cells(const problem::Problem& coarse, const problem::Problem& fine) {
   if (2 * coarse.mesh.cells() > fine.mesh.cells())
-    throw UserError(fmt::format("found a mesh of {} cells, where that of this scene has {}",
+    throw UserError(fmt::format("it has {} cells, more than half of the {} cells of the scene's mesh",
                                 coarse.mesh.cells(), fine.mesh.cells()));
 }
 

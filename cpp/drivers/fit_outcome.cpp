@@ -17,22 +17,22 @@ std::string power(const std::string& name, double exponent) {
   return std::abs(exponent - 1) < 1e-3 ? name : fmt::format("{}^{:.3g}", name, exponent);
 }
 
-/// Sentence on two numbers on logarithmic scales of which the data determine only a product of powers.
+/// Sentence on two unknowns on logarithmic scales, of which the data determine only a product of powers.
 std::string pair_of_logs(const std::string& a, const std::string& b, double slope) {
   constexpr double alike = 1e-3;
   if (std::abs(slope - 1) < alike)
     return fmt::format("The data determine only the ratio of {} and {}.", a, b);
   if (std::abs(slope + 1) < alike)
     return fmt::format("The data determine only the product of {} and {}.", a, b);
-  return fmt::format("The data determine {} and {} only as {} {} {}.", a, b, power(b, 1),
+  return fmt::format("The data determine {} and {} only in the combination {} {} {}.", a, b, power(b, 1),
                      slope > 0 ? "/" : "times", power(a, std::abs(slope)));
 }
 
-/// Simulated value of a compared figure, as text.
+/// Simulated value of a quantity that is only compared, as text.
 std::string simulated(const io::ComparedFigure& one) {
   if (std::isnan(one.simulated))
     return "no contact";
-  const std::string deviations = one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
+  const std::string deviations = one.deviation > 0 ? fmt::format(", off by {:+.2f} standard deviations",
                                                                  (one.simulated - one.value) / one.deviation)
                                                    : "";
   return fmt::format("{:.6g} {}{}", one.simulated, one.unit, deviations);
@@ -58,12 +58,13 @@ void add_poorly_identified(const problem::ParameterProblem& problem, const optim
       continue;
     if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
       fit.unidentified.push_back(
-          fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first guess: the data show "
-                      "only that it is small. On the scale \"linear\" its least value can be found.",
+          fmt::format("{} fell to the lower end of its logarithmic scale, {:.2g} times its first guess: the "
+                      "data show only that it is small. With scale = \"linear\" the fit can reach its lower "
+                      "limit.",
                       unknown.name, fit.unknowns[j].value / unknown.start));
     else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
-      fit.unidentified.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its "
-                                             "first guess: the data show only that it is large.",
+      fit.unidentified.push_back(fmt::format("{} rose to the upper end of its logarithmic scale, {:.2g} "
+                                             "times its first guess: the data show only that it is large.",
                                              unknown.name, fit.unknowns[j].value / unknown.start));
     else if (deviation > std::log(2))
       fit.unidentified.push_back(
@@ -72,7 +73,7 @@ void add_poorly_identified(const problem::ParameterProblem& problem, const optim
   }
 }
 
-/// The most strongly correlated pair of at least two unknowns.
+/// Finds the most strongly correlated pair of unknowns; there must be at least two.
 std::string largest_correlation(const io::Fit& fit) {
   const std::size_t n = fit.unknowns.size();
   std::size_t first = 0, second = 1;
@@ -101,10 +102,10 @@ std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std:
   for (const std::size_t j : which) {
     names.push_back(unknowns[j].name);
     changes.push_back(fmt::format("{} by {:+.3g}{}", unknowns[j].name, direction[j],
-                                  unknowns[j].logarithmic() ? " of itself" : ""));
+                                  unknowns[j].logarithmic() ? " (relative)" : ""));
   }
   return fmt::format(
-      "The data do not separate {}: changes in the proportion of {} leave all values as they are.",
+      "The data do not separate {}: joint changes in the proportion {} leave all simulated values unchanged.",
       fmt::join(names, ", "), fmt::join(changes, ", "));
 }
 
@@ -164,8 +165,8 @@ std::optional<Warning> misfit_warning(const io::Fit& fit) {
   return Warning{
       "misfit of the data",
       fmt::format("the residuals are {:.3g} times as large as the noise of the data (root mean square): this "
-                  "minimum does not explain them. Another first guess may lead to a lower one; else the "
-                  "model is wrong, or the deviations are too small",
+                  "fit does not explain the data. Another first guess may lead to a lower minimum. Otherwise "
+                  "the model is wrong, or the deviations are too small",
                   fit.misfit),
       fit.misfit, limit};
 }
@@ -195,7 +196,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
 
 namespace {
 
-/// Figures of contact that are measured but not fitted, for the motion that `watch` has observed.
+/// Contact quantities that are measured but not fitted, for the motion that `watch` has observed.
 std::vector<io::ComparedFigure> compared(const problem::Problem& problem,
                                          const diagnostics::ContactFigures& watch) {
   const scene::Scene& scene = problem.scene;

@@ -8,27 +8,30 @@
 
 namespace signorini::drivers {
 
-/// The outcome of a fit that ended at an iterate; `simulated` are the values there.
+/// Collects the results of a fit that ended at the iterate `last`. `simulated`: simulated values of all data,
+/// at this iterate.
 io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                 const std::vector<double>& simulated);
 
-/// Sentence on a combination of unknowns that the data do not determine (optimize::Identified::unidentified).
+/// Sentence that names a combination of unknowns that the data do not determine. `direction`: coefficients of
+/// the combination (optimize::Identified::unidentified).
 std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
 
-/// Warns if the residuals are more than noise.
+/// Warns if the residuals of a fit are larger than noise of the given deviations explains.
 std::optional<Warning> misfit_warning(const io::Fit& fit);
 
-/// Outcome as a table for the console, with sentences on the unknowns that the data do not determine.
+/// Lines of a table of a fit's results for the console, with sentences on unknowns that the data do not
+/// determine.
 std::vector<std::string> outcome_lines(const io::Fit& fit);
 
-/// Values and figures of a motion to compare with the measured ones.
+/// Simulated counterparts of measurements.
 struct Simulated {
-  std::vector<double> values;
-  std::vector<io::ComparedFigure> compared;
+  std::vector<double> values;               ///< values of the fitted measurements, in the order of the data
+  std::vector<io::ComparedFigure> compared; ///< quantities that are compared, but not fitted
 };
 
-/// Repeats the motion, for its files and for the values to compare. A request to stop is ignored. Collective.
-/// Throws UserError, SolverFailure, WriteFailure.
+/// Simulates the motion under `load` once more, writes its files through `recorder` and returns the simulated
+/// measurements. Ignores requests to stop. Throws UserError, SolverFailure, WriteFailure. Collective.
 Simulated simulate_measured(const problem::Problem& problem, const problem::ParameterProblem& fit,
                             const step::ForceAtStep& load, MotionWriter& recorder);
 

@@ -7,8 +7,8 @@
 
 namespace signorini::drivers {
 
-/// Calls `use.template operator()<Method>()` with the method of a control problem, and returns its result.
-/// Gauss-Newton is for parameters alone: here the projected gradient takes its place.
+/// Calls `use.template operator()<Method>()` with the class of an optimisation method, and returns the result
+/// of the call. gauss_newton, a method for parameters alone, is replaced by ProjectedGradient.
 template <class Use>
 decltype(auto) with_method(scene::OptimizerMethod method, Use&& use) {
   switch (method) {

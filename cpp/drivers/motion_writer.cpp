@@ -237,14 +237,14 @@ void MotionWriter::follow_body(Vec y) {
   }
 }
 
-void MotionWriter::write_surfaces() const {
+void MotionWriter::write_obstacle_surfaces() const {
   if (!with_surfaces())
     return;
   const contact::ContactPairs* pairs = problem_.stepper.pairs();
   contact::Box body = body_;
   MPI_Allreduce(MPI_IN_PLACE, body.low.data(), 3, MPI_DOUBLE, MPI_MIN, pairs->comm());
   MPI_Allreduce(MPI_IN_PLACE, body.high.data(), 3, MPI_DOUBLE, MPI_MAX, pairs->comm());
-  io::write_surfaces(folder_, *pairs, times_, body);
+  io::write_obstacle_surfaces(folder_, *pairs, times_, body);
 }
 
 std::vector<Warning> MotionWriter::warnings() {
@@ -271,7 +271,7 @@ void MotionWriter::finish() {
       (*file)->close();
   if (state_)
     state_->close();
-  write_surfaces();
+  write_obstacle_surfaces();
 }
 
 void write_control(const io::OutputFolder& folder, const problem::Problem& problem,

@@ -15,48 +15,50 @@
 
 namespace signorini::drivers {
 
-/// Whether a run that ends at the time `end` (s) stores fields and contact of a step. It does so for the
-/// initial state, the last step, and every n-th step or, where `every` is 0, the first one after each of
-/// Output::most_frames equal parts of the time. MotionWriter also stores the step of the largest force.
+/// Whether a run stores fields and contact of a step. Runs store the initial state, the last step, and every
+/// `every`-th step. If `every` is 0, they store the first step after each of Output::most_frames equal parts
+/// of the time from 0 to `end` (s). MotionWriter also stores the step of the largest contact force.
 bool stored(const step::TimeStep& step, double end, int every, bool last);
 
-/// Writes the files of a motion that the scene's [output] selects, frame by frame: steps.csv, contact.csv,
-/// obstacles.csv, probes.csv and state.xdmf, and at the end surfaces.h5. Sums the motion up, and monitors its
-/// invariants and plausibility.
+/// Writes the files of a motion, as the scene's [output] selects: steps.csv, contact.csv, obstacles.csv,
+/// probes.csv and state.xdmf frame by frame, and surfaces.h5 at the end. Also summarises the motion, and
+/// monitors its invariants and plausibility.
 class MotionWriter {
 public:
-  /// Opens the files. `objective`: null in a run without one; `controlled`: whether a control acts; `errors`:
-  /// errors of the steps, if they are chosen during the motion. Collective. The arguments must outlive this
-  /// object. Throws UserError, WriteFailure.
+  /// Opens the files. `objective`: objective of a search, null without one; `controlled`: whether a control
+  /// acts; `errors`: errors of the time steps if their lengths are chosen during the motion, else null.
+  /// Throws UserError, WriteFailure. Collective. The arguments must outlive this object.
   MotionWriter(const problem::Problem& problem, const io::OutputFolder& folder,
                const control::Objective* objective, bool controlled,
                const trajectory::StepErrors* errors = nullptr);
 
-  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; with
-  /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
+  /// Records a frame; must be called for all frames in order, from frame 0 on. Throws UserError,
+  /// WriteFailure, and SolverFailure if a step violates an invariant and run.invariants is "stop".
+  /// Collective.
   void operator()(const trajectory::Frame& frame);
 
-  /// Monitored invariants; null if none are.
+  /// Monitored invariants; null if no invariants are monitored.
   [[nodiscard]] const diagnostics::Invariants* invariants() const {
     return invariants_ ? &*invariants_ : nullptr;
   }
 
-  /// Summary of the motion; null if nothing needs the balances of its steps.
+  /// Summary of the motion; null if the balances of its steps are not computed.
   [[nodiscard]] const diagnostics::ImpactSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
 
   /// Steps whose fields and contact were stored, ascending; complete after finish().
   [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
 
-  /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored. Collective.
+  /// Largest von Mises stress of any cell at the stored times; absent if no stress is stored. Collective.
   [[nodiscard]] std::optional<diagnostics::LargestStress::Peak> von_mises() {
     return largest_stress_ ? largest_stress_->peak() : std::nullopt;
   }
 
-  /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
+  /// Warnings that the motion leaves the range of the model, or that the mesh does not resolve the motion.
+  /// Collective.
   [[nodiscard]] std::vector<Warning> warnings();
 
-  /// Stores the step of the largest contact force, and closes the files. Collective. Throws UserError,
-  /// WriteFailure.
+  /// Stores the step of the largest contact force if it is not stored yet, and closes the files. Throws
+  /// UserError, WriteFailure. Collective.
   void finish();
 
 private:
@@ -65,16 +67,16 @@ private:
   void open_tables(const io::OutputFolder& folder, bool probed);
   /// Opens state.xdmf if the scene stores a field in it.
   void open_state(const io::OutputFolder& folder);
-  /// The state and contact after a step.
+  /// State and contact at the end of a step.
   struct Snapshot {
     step::TimeStep step;
     const step::State& state;
     const contact::ContactState& contact;
   };
-  /// A step that is to be stored unless a later one has a larger contact force.
+  /// Copy of a step that finish() stores unless a later step has a larger contact force.
   struct Aside {
     step::TimeStep step;
-    step::State state; ///< set only with fields
+    step::State state; ///< set only if fields are stored
     contact::ContactState contact;
     std::streamoff rows; ///< position of the step's rows in contact.csv
   };
@@ -83,9 +85,9 @@ private:
   void store_fields(const Snapshot& now, std::size_t number);
   /// Whether surfaces.h5 is written.
   [[nodiscard]] bool with_surfaces() const { return problem_.stepper.pairs() && (state_ || contact_); }
-  /// Extends the box of the body.
+  /// Extends the box around the body by the nodes at displacement y.
   void follow_body(Vec y);
-  void write_surfaces() const;
+  void write_obstacle_surfaces() const;
   void insert(const Aside& peak);
   /// Rows of a step in contact.csv, valid until the next call.
   [[nodiscard]] const std::string& contact_rows(const step::TimeStep& step,
@@ -107,20 +109,21 @@ private:
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
-  std::vector<int> stored_;   ///< stored steps
-  std::vector<double> times_; ///< ends of these steps, s
-  contact::Box body_;         ///< box around this rank's nodes at these times
+  std::vector<int> stored_;   ///< numbers of the stored steps
+  std::vector<double> times_; ///< ends of the stored steps, s
+  contact::Box body_;         ///< box around this rank's nodes at the stored times
   diagnostics::LargestForce largest_force_;
-  std::optional<Aside> aside_; ///< step of the largest force, if it is not stored yet
+  std::optional<Aside> aside_; ///< step of the largest force, unless that step is stored already
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };
 
-/// Passes adjoint states to `store`, each valid during that call.
+/// Function that computes the adjoint states and passes each to `store`; p is valid only during the call of
+/// `store`.
 using AdjointStates = std::function<void(const std::function<void(int k, Vec p)>& store)>;
 
-/// Writes control.xdmf and adjoint.xdmf of the `stored` steps, as the scene's [output] selects; evaluates
-/// `adjoint_states` only if they are written. Collective. Throws UserError, WriteFailure.
+/// Writes control.xdmf and adjoint.xdmf for the steps in `stored`, as the scene's [output] selects. Calls
+/// `adjoint_states` only if adjoint states are to be written. Throws UserError, WriteFailure. Collective.
 void write_control(const io::OutputFolder& folder, const problem::Problem& problem,
                    const control::ControlSpace& controls, const control::Control& u,
                    const AdjointStates& adjoint_states, const std::vector<int>& stored);

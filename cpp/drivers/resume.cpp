@@ -10,7 +10,7 @@
 namespace signorini::drivers::resume {
 namespace {
 
-/// The version of the layout of checkpoint.h5.
+/// Version of the layout of checkpoint.h5.
 constexpr int format = 9;
 
 } // namespace
@@ -37,13 +37,15 @@ void require_same_problem(io::CheckpointReader& in, const std::string& scene, co
   in("format", layout);
   if (layout != format)
     in.fail(
-        fmt::format("found layout {}, but this version of signorini reads layout {}; start the search again",
+        fmt::format("found file layout {}, but this version of signorini reads layout {}; start the search "
+                    "again, without --resume",
                     layout, format));
   std::string stored;
   in("scene", stored);
   const scene::Difference difference = scene::difference(stored, scene, scene::Part::search);
   if (!difference.first.empty())
-    in.fail(fmt::format("found a run with {}, this scene has {}; resume with the scene that was interrupted",
+    in.fail(fmt::format("found a run with {}, this scene has "
+                        "{}; resume with the scene of the interrupted run",
                         difference.first, difference.second));
   in("mesh", stored);
   int same = rank(mesh.comm()) != 0 || stored == mesh.digest();
@@ -56,13 +58,14 @@ void require_same_problem(io::CheckpointReader& in, const std::string& scene, co
 void require_same_value(const std::filesystem::path& file, double stored, double found, double scale) {
   constexpr double other_ranks = 1e-6;
   if (!(std::abs(found - stored) <= other_ranks * scale))
-    throw UserError(fmt::format("--resume: {}: J is {:.10g} at its point, where it was {:.10g}; resume with "
-                                "the forms and data of the interrupted run",
+    throw UserError(fmt::format("--resume: {}: J at the stored point is now {:.10g}, but was {:.10g}; resume "
+                                "with the forms and data of the interrupted run",
                                 file.string(), found, stored));
 }
 
 std::string not_written(const std::filesystem::path& file, const std::string& failure) {
-  return fmt::format("warning: {} was not written ({}); the run continues, and an earlier checkpoint stays",
+  return fmt::format("warning: {} was not written ({}); the run continues, and an earlier checkpoint remains "
+                     "in place",
                      file.string(), failure);
 }
 

@@ -7,27 +7,28 @@
 #include <filesystem>
 #include <string>
 
-/// Conditions under which --resume continues a search of any kind: its checkpoint is whole, its scene poses
-/// the same problem, and J at its point is unchanged.
+/// Checks before --resume continues a search: the checkpoint is undamaged, its scene defines the same
+/// problem, and J at the stored point is unchanged.
 namespace signorini::drivers::resume {
 
-constexpr const char* checkpoint = "checkpoint.h5"; ///< file name
+constexpr const char* checkpoint = "checkpoint.h5"; ///< file name of checkpoints
 
-/// Whether the folder has a checkpoint; prints a line if not. Collective.
+/// Whether the folder has a checkpoint; prints a line if it has none. Collective.
 [[nodiscard]] bool found(const io::OutputFolder& folder, const Console& console);
 
-/// Stores the layout of checkpoints and the problem; `scene`: the scene's echo().
+/// Writes the version of the checkpoint layout, the scene and the mesh into a checkpoint. `scene`: text of
+/// the resolved scene (echo()). Collective.
 void store_problem(io::CheckpointWriter& out, const std::string& scene, const mesh::Mesh& mesh);
 
-/// Throws UserError if the checkpoint has another layout or another mesh, or if its scene poses another
-/// problem to a search. Collective.
+/// Throws UserError if the layout version or the mesh of a checkpoint differs, or if its scene differs from
+/// `scene` in keys that define the problem or the search. Collective.
 void require_same_problem(io::CheckpointReader& in, const std::string& scene, const mesh::Mesh& mesh);
 
-/// Throws UserError if J at the restored point differs from the stored J, relative to `scale`, by more than
-/// another number of ranks explains: then forms or data have changed.
+/// Throws UserError if J at the restored point, `found`, differs from `stored` by more than a change of the
+/// number of ranks explains, relative to `scale`. Such a difference means that files or the program changed.
 void require_same_value(const std::filesystem::path& file, double stored, double found, double scale);
 
-/// Warning that a checkpoint could not be written.
+/// Message that a checkpoint could not be written. `failure`: the reason.
 [[nodiscard]] std::string not_written(const std::filesystem::path& file, const std::string& failure);
 
 } // namespace signorini::drivers::resume

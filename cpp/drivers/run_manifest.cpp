@@ -113,7 +113,8 @@ io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
 
 void finish(io::OutputFolder& folder, const Console& console) {
   if (const std::vector<std::string> outdated = folder.publish(); !outdated.empty())
-    console.line(fmt::format("removed, since they showed the run before: {}", fmt::join(outdated, ", ")));
+    console.line(
+        fmt::format("removed, since they belonged to the previous run: {}", fmt::join(outdated, ", ")));
   console.line(fmt::format("results in {}", folder.path().string()));
 }
 

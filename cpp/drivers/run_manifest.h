@@ -8,36 +8,38 @@
 /// Output common to the verbs that write results.
 namespace signorini::drivers {
 
-/// Extent, mass and wave speeds of the body, for spotting unit errors, with notes and warnings. Collective.
+/// Describes extent, mass and wave speeds of the body, for spotting unit errors, with notes and warnings.
+/// Collective.
 std::string body_lines(const problem::Problem& problem);
 
-/// Describes the run that is about to start. Collective.
+/// Describes the size of a problem before its run starts. Collective.
 std::string headline(const problem::Problem& problem);
 
-/// Warnings about the readable tables of a scene's time series. Collective.
+/// Warnings about the tables of a scene's time series; tables that cannot be read are skipped. Collective.
 std::vector<scene::TableWarning> series_warnings(MPI_Comm comm, const scene::Scene& scene);
 /// Prints warnings about tables.
 void print_table_warnings(const std::vector<scene::TableWarning>& warnings, const Console& console);
-/// Adds warnings about tables to those of run.json.
+/// Adds warnings about tables to the warnings of run.json.
 void add_table_warnings(io::Manifest& manifest, const std::vector<scene::TableWarning>& warnings);
 
-/// Makes a run keep its mesh in its folder: `meshing` gets the path to write, and the scene `written` with
-/// the results refers to it.
+/// Arranges that a run stores its mesh in its output folder. Sets the path to write in `meshing`, and lets
+/// the scene `written`, which is stored with the results, refer to the stored mesh.
 void keep_mesh(const io::OutputFolder& folder, mesh::Meshing& meshing, scene::Scene& written);
 
-/// Entries of run.json that are common to all runs. Collective.
+/// Collects the entries of run.json that are common to all runs. Collective.
 io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
                       const std::string& stop_reason, int steps_done);
 
-/// Adds the recorder's sums, invariants and warnings to run.json; prints the warnings, and the invariants
-/// beyond their limits. Collective.
+/// Adds the summary, invariants and warnings of a recorded motion to run.json. Prints the warnings, and the
+/// invariants that exceed their limits. Collective.
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console);
 
-/// Adds a warning to run.json and prints it.
+/// Adds a warning, unless absent, to run.json and prints it.
 void add_warning(io::Manifest& manifest, std::optional<Warning> warning, const Console& console);
 
-/// Puts the files of the run in place. Collective. Throws UserError.
+/// Moves the files of a run into its output folder (OutputFolder::publish()) and prints the removed pages and
+/// figures. Throws UserError. Collective.
 void finish(io::OutputFolder& folder, const Console& console);
 
 } // namespace signorini::drivers

@@ -15,7 +15,8 @@ namespace {
 
 static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
 
-/// A resumed search keeps the solver of its checkpoint; choosing again might differ.
+/// Requirements of a search on the solvers. A resumed search keeps the linear solver of its checkpoint, since
+/// a new choice might differ.
 step::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                            bool resume) {
   step::Stepper::Needs needs = problem::search_needs(scene);
@@ -27,8 +28,8 @@ step::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const std::
   return needs;
 }
 
-/// Restores the step lengths of a search's checkpoint, if it has any. Throws UserError if they are not those
-/// of this scene.
+/// Restores varying step lengths from a checkpoint, if it has any. Throws UserError if this scene does not
+/// admit these step lengths.
 void restore_steps(problem::Problem& problem, const std::filesystem::path& out) {
   const std::vector<double> levels =
       io::checkpoint_numbers(problem.space.comm(), out / resume::checkpoint, SearchLog::levels);
@@ -39,11 +40,12 @@ void restore_steps(problem::Problem& problem, const std::filesystem::path& out) 
       step_lengths ? step::TimeGrid::of_levels(*step_lengths, levels) : std::nullopt;
   if (!grid)
     throw UserError(
-        "--resume: the checkpoint has other step lengths than this scene; start the search again");
+        "--resume: the checkpoint has other step lengths than this scene; start the search again, without "
+        "--resume");
   problem.grid = *grid;
 }
 
-/// Search problem of a scene, with all its parts.
+/// Owns the problem of a search and all its parts.
 class Searched {
 public:
   Searched(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
@@ -58,7 +60,7 @@ public:
       control_.emplace(*problem_, console);
       discretisation_ = problem_->discretisation;
     } else {
-      discretisation_ = std::make_shared<const problem::Discretisation>(comm, scene, timers);
+      discretisation_ = std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers);
     }
     if (scene.unknowns.empty())
       return;
@@ -79,20 +81,20 @@ public:
             control_ ? &*control_ : nullptr,
             parameters_ ? &*parameters_ : nullptr};
   }
-  /// The control problem; null if only parameters are searched.
+  /// The control problem; null if only parameters are sought.
   [[nodiscard]] problem::ControlProblem* control() { return control_ ? &*control_ : nullptr; }
 
 private:
   const scene::Scene& scene_;
   Timers& timers_;
-  std::shared_ptr<const problem::Discretisation> discretisation_;
+  std::shared_ptr<const problem::SpaceDiscretisation> discretisation_;
   std::optional<problem::Problem> problem_;
   std::optional<problem::ControlProblem> control_;
   std::optional<problem::ParameterProblem> parameters_;
 };
 
-/// Searches a control, with or without parameters beside it, by a method: from the checkpoint, from the
-/// result on coarse meshes or from the first guess.
+/// Searches for a control, alone or together with parameters. Starts from the checkpoint, from the result on
+/// coarse meshes or from the first guess.
 template <template <optimize::TwiceDifferentiable> class Method>
 SearchEnd minimised(const SearchSubject& subject, problem::ControlProblem& control, SearchLog& log,
                     const Console& console) {
@@ -112,7 +114,7 @@ SearchEnd minimised(const SearchSubject& subject, problem::ControlProblem& contr
   return end;
 }
 
-/// State of a fit between two iterations; J is evaluated again when it is restored.
+/// State of a fit between two iterations, as checkpoints store it. After restoring, J is recomputed.
 struct FitState {
   optimize::GaussNewtonIterate& iteration;
   double objective;
@@ -126,7 +128,8 @@ struct FitState {
   }
 };
 
-/// Start of a fit: the scene's values or, with `restored` set, those of the checkpoint.
+/// Start of a fit: the parameters of the checkpoint if the search resumes, else the scene's start values.
+/// `restored` receives whether the parameters are those of the checkpoint.
 optimize::GaussNewtonIterate fit_start(const SearchSubject& subject, SearchLog& log, bool& restored) {
   optimize::GaussNewtonIterate start{.x = subject.parameters->misfit.start(), .at = {}};
   const std::size_t count = start.x.size();
@@ -140,7 +143,7 @@ optimize::GaussNewtonIterate fit_start(const SearchSubject& subject, SearchLog& 
   return start;
 }
 
-/// Fits parameters alone, by Gauss-Newton steps.
+/// Fits parameters, without a control, by the Gauss-Newton method.
 SearchEnd fitted(const SearchSubject& subject, SearchLog& log) {
   const scene::Optimizer& options = subject.scene.optimizer;
   const MPI_Comm comm = subject.comm();
@@ -200,7 +203,7 @@ SearchEnd search(Searched& searched, SearchLog& log, const Console& console) {
 void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out) {
   if (!scene.objective)
     throw UserError(
-        fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
+        fmt::format("{}: optimize needs the tables [control] and [objective], but the scene has {}",
                     scene.file.string(), scene.control ? "no objective" : "neither"));
   if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
     on_root(comm, [&] {
@@ -217,8 +220,8 @@ optimize::Options search_options(const control::ControlSpace& controls, const sc
   const double each = controls.compact_bytes(), usual = std::max(usual_bytes, usual_controls * each),
                memory = scene.memory > 0 ? scene.memory : usual;
   if (memory < least_controls * each)
-    throw UserError(fmt::format("optimizer.memory: found {:.10g} bytes; expected room for at least {} "
-                                "controls in single precision, here {:.10g} bytes",
+    throw UserError(fmt::format("optimizer.memory: found {:.10g} bytes; expected at least the memory of {} "
+                                "controls in single precision, {:.10g} bytes",
                                 memory, least_controls, least_controls * each));
   optimize::Options options{.max_iterations = scene.max_iterations,
                             .tolerance = *scene.tolerance,

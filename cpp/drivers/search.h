@@ -8,18 +8,18 @@
 
 namespace signorini::drivers {
 
-/// Runs the verb optimize: searches a control, parameters, or both, writes the results into the folder `out`
-/// and returns the exit status. With `resume` it continues from the folder's checkpoint, if there is one.
-/// Collective. Throws UserError, SolverFailure, WriteFailure, Interrupted.
+/// Runs the verb optimize: searches for a control, parameters or both, and writes the results into the folder
+/// `out`. If `resume`, continues from the folder's checkpoint, if it has one. Returns the exit status. Throws
+/// UserError, SolverFailure, WriteFailure, Interrupted. Collective.
 int search_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                  const Console& console);
 
-/// Throws UserError unless the scene has a control and an objective and the results go into another folder
-/// than that of a desired run. Collective.
+/// Throws UserError unless the scene has a control and an objective, and `out` is not the folder of the run
+/// whose motion is desired. Collective.
 void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out);
 
-/// Options of a search for these controls, as set by the scene. Collective. Throws UserError if
-/// optimizer.memory is too little.
+/// Options of a search in the space `controls`, from the scene's table [optimizer]. Throws UserError if
+/// optimizer.memory is too small. Collective.
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene);
 
 } // namespace signorini::drivers

@@ -7,8 +7,8 @@
 
 namespace signorini::drivers {
 
-/// Problem of a scene on one mesh with one sequence of steps, and the search on it, which can start from the
-/// search on another mesh. The method is one of Lbfgs, NewtonCg, ProjectedGradient. All members collective.
+/// Control problem of a scene on one mesh and time grid, and a search for its optimum, which can start from
+/// the search on another mesh. Method: Lbfgs, NewtonCg or ProjectedGradient. All members are collective.
 template <template <optimize::TwiceDifferentiable> class Method>
 class SearchLevel {
 public:
@@ -16,12 +16,13 @@ public:
   using State = optimize::State<Unknowns, Method<Unknowns>>;
   using Inheritance = typename SearchStart<Method>::Inheritance;
 
-  /// Sets up the problem. Steps of varying length are chosen by a motion under the control that `last`, if
-  /// given, has found. Throws UserError, SolverFailure, Interrupted.
+  /// Sets up the problem. If step lengths vary, they are chosen by a preliminary motion: under the control
+  /// found by `last`, unless null, else under the scene's control. Throws UserError, SolverFailure,
+  /// Interrupted.
   SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
               step::Stepper::Needs needs = {.derivatives = true})
       : scene_(std::move(scene)),
-        problem_(std::make_shared<const problem::Discretisation>(comm, scene_, timers_, meshing), scene_,
+        problem_(std::make_shared<const problem::SpaceDiscretisation>(comm, scene_, timers_, meshing), scene_,
                  needs, timers_),
         control_problem_(with_steps(problem_, last), Console(false, false)) {}
 
@@ -29,8 +30,8 @@ public:
   [[nodiscard]] control::Control first_guess() const { return control_problem_.first_guess(scene_); }
   [[nodiscard]] problem::ControlProblem& control_problem() { return control_problem_; }
 
-  /// Searches from `start`; `report` is that of optimize::minimize(), and receives the certificate of a kink
-  /// if it has a member for it. Throws SolverFailure, Interrupted.
+  /// Searches from `start`. `report`: as for optimize::minimize(); if `report` has a member certified(), this
+  /// receives the certificate of a kink. Throws SolverFailure, Interrupted.
   template <class Report>
   void search(SearchStart<Method> start, const optimize::Options& options, Report&& report) {
     LastState<std::remove_reference_t<Report>> last{report};
@@ -43,7 +44,8 @@ public:
     first_norm_ = end.first_norm;
   }
 
-  /// Start of a search on another mesh: the result of this one, interpolated.
+  /// Start of a search for the problem `finer`: the result and method state of this search, interpolated to
+  /// that problem's mesh and steps. Call after search().
   [[nodiscard]] SearchStart<Method> on(problem::ControlProblem& finer,
                                        const optimize::Options& options) const {
     const control::Interpolation interpolate(control_problem_.controls, finer.controls);
@@ -54,12 +56,14 @@ public:
     return {interpolate(last_->current.u), std::move(inherited)};
   }
 
+  /// Reason why the search stopped.
   [[nodiscard]] optimize::Stop stop() const { return stop_; }
   /// Gradient norm at the first guess.
   [[nodiscard]] double first_norm() const { return first_norm_; }
+  /// Last state of the search. Call after search().
   [[nodiscard]] State& state() { return *last_; }
 
-  /// Figures of the level, without its seconds.
+  /// Record of the level for run.json, without its seconds. Call after search().
   [[nodiscard]] io::CoarseLevel record() const {
     const control::ReducedProblem& reduced = control_problem_.reduced;
     return {.size = scene_.mesh.size.value_or(scene_.mesh.scale),
@@ -74,7 +78,8 @@ public:
   }
 
 private:
-  /// Stores the last state of a search; passes certificates to reports that take them.
+  /// Checkpointer of optimize::minimize() that keeps the last state in memory, and passes certificates to
+  /// reports that have a member certified().
   template <class Report>
   struct LastState {
     Report& report;

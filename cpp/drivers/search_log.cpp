@@ -56,7 +56,7 @@ std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim) {
 
 namespace {
 
-/// The times, in s, between which controls are constant.
+/// Ends of the intervals on which controls are constant, s.
 std::vector<double> edges(const control::ControlSpace& controls) {
   std::vector<double> times;
   for (int j = 1; j <= controls.count() + 1; ++j)

@@ -13,27 +13,27 @@
 
 namespace signorini::drivers {
 
-/// Describes a kink by its certificate and the weak contact there: the candidates, by step, that are active
-/// at some of its points and open at others. Makes a forward sweep for each point, which is not counted.
-/// Throws Interrupted. Collective.
+/// Describes a kink by its certificate and its weak contact: the candidates, step by step, that are active at
+/// some points of the certificate and open at others. Makes a forward sweep for each point, which is not
+/// counted in reduced.sweeps(). Throws Interrupted. Collective.
 [[nodiscard]] io::Kink describe(control::ReducedProblem& reduced,
                                 const optimize::Certificate<control::Variables>& certificate);
 
 /// Converts a kink to the numbers that a checkpoint stores.
 [[nodiscard]] std::vector<double> numbers(const io::Kink& kink);
 
-/// Restores a kink from numbers(), in `dim` dimensions; none if they are invalid.
+/// Restores a kink from the result of numbers(), in `dim` dimensions; absent if the numbers are invalid.
 [[nodiscard]] std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim);
 
-/// Problem of a search for a control, for the parameters of a scene, or for both. Null parts are absent.
+/// Problem of a search for a control, for parameters of a scene, or for both.
 struct SearchSubject {
   const scene::Scene& scene; ///< scene as written into the results
-  const problem::Discretisation& discretisation;
+  const problem::SpaceDiscretisation& discretisation;
   control::ReducedProblem& reduced;
   Timers& timers;
-  const problem::Problem* problem = nullptr; ///< defines the steps of a control
-  const problem::ControlProblem* control = nullptr;
-  const problem::ParameterProblem* parameters = nullptr;
+  const problem::Problem* problem = nullptr;             ///< set if a control is sought; defines its steps
+  const problem::ControlProblem* control = nullptr;      ///< set if a control is sought
+  const problem::ParameterProblem* parameters = nullptr; ///< set if parameters are sought
 
   [[nodiscard]] MPI_Comm comm() const { return discretisation.space.comm(); }
   [[nodiscard]] std::size_t parameter_count() const {
@@ -41,33 +41,34 @@ struct SearchSubject {
   }
 };
 
-/// Output of a search while it runs: progress, history.csv in the folder, with a row as soon as there is an
-/// iterate, and checkpoint.h5. Serves as `report` and `checkpointer` of optimize::minimize(). All members
+/// Writes the output of a search while it runs: progress on the console, a row of history.csv for each
+/// iterate, and checkpoint.h5. Serves as `report` and `checkpointer` of optimize::minimize(). All members are
 /// collective.
 class SearchLog {
 public:
-  /// The checkpoint's entry for the solver of the steps, and its value for conjugate gradients.
+  /// Name of the checkpoint's entry for the linear solver of the steps; value of this entry for conjugate
+  /// gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
-  static constexpr const char* levels = "levels"; ///< the checkpoint's entry for step lengths, if they vary
+  static constexpr const char* levels = "levels"; ///< name of the checkpoint's entry for varying step lengths
 
-  /// Time at which files are put in place: while the search runs, or with its results.
+  /// When history.csv appears in the output folder: early: while the search runs; with_results: at the end.
   enum class Files { early, with_results };
 
-  /// Prepares the output. With `resume` the search continues from the folder's checkpoint, if there is one.
-  /// The references must outlive this object.
+  /// Prepares the output. `resume`: whether to continue from the folder's checkpoint, if it has one. The
+  /// references must outlive this object.
   SearchLog(const SearchSubject& subject, const io::OutputFolder& folder, bool resume, const Console& console,
             Files files = Files::early);
 
-  /// Records an iterate, the reduced problem's current point.
+  /// Records an iterate of a search with a control; the reduced problem must be at the iterate.
   void operator()(const optimize::Iteration& iteration);
-  /// Records an iterate of a fit.
+  /// Records an iterate of a fit without a control.
   void operator()(const optimize::GaussNewtonIterate& iterate);
 
   /// Whether the search continues from a checkpoint.
   [[nodiscard]] bool resumes() const { return resumes_; }
 
-  /// Restores the state of the search; false if there is no checkpoint. Throws UserError if it is damaged or
-  /// of another problem.
+  /// Restores the state of the search from the checkpoint; returns false if the search does not resume.
+  /// Throws UserError if the checkpoint is damaged or belongs to another problem.
   template <class State>
   bool restore(State& state) {
     if (!resumes_)
@@ -80,8 +81,8 @@ public:
     return true;
   }
 
-  /// Compares J as stored in the checkpoint with J as evaluated now. Throws UserError if they differ by more
-  /// than another number of ranks explains.
+  /// Continues the log of a restored search. Throws UserError if J in the checkpoint, `stored`, and J
+  /// recomputed at the same point, `found`, differ by more than a change of the number of ranks explains.
   void restored(double stored, double found);
 
   /// Whether a checkpoint is to be written after this iteration.
@@ -89,17 +90,17 @@ public:
     return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
   }
 
-  /// Stores the counts of sweeps that checkpoints contain until the next mark.
+  /// Notes the current counts of sweeps; checkpoints contain these counts until the next call.
   void mark() { marked_ = subject_.reduced.sweeps(); }
 
-  /// Describes the kink at which the search ends. Throws Interrupted.
+  /// Records the kink at which the search ends. Throws Interrupted.
   void certified(const optimize::Certificate<control::Variables>& certificate) {
     kink_ = describe(subject_.reduced, certificate);
   }
-  /// The kink, if there was a certificate here or in the checkpoint.
+  /// The kink at which the search, or the search before it was resumed, ended; absent if there was none.
   [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
 
-  /// Writes a checkpoint. A failure is reported and the search continues: the last checkpoint stays.
+  /// Writes a checkpoint. If that fails, prints a message; the previous checkpoint stays.
   template <class State>
   void store(State& state) {
     if (every_ == 0 || history_.rows() == 0)
@@ -122,12 +123,12 @@ public:
   /// Ends the display of progress.
   void end() { progress_.reset(); }
 
-  /// History of the whole search, with the iterations before it was resumed.
+  /// History of the whole search, including iterations before the search was resumed.
   [[nodiscard]] const io::History& history() const { return history_; }
-  /// Seconds of the whole search.
+  /// Seconds of the whole search, including the time before the search was resumed.
   [[nodiscard]] double seconds() const;
 
-  /// Whether J was evaluated at the first guess, or at the checkpoint's point.
+  /// Whether J has been evaluated in this process, at the first guess or at the checkpoint's point.
   [[nodiscard]] bool evaluated() const { return evaluated_; }
 
 private:
@@ -135,11 +136,11 @@ private:
 
   void read(io::CheckpointReader& in);
   void write(io::CheckpointWriter& out) const;
-  /// The scene as text.
+  /// Text of the resolved scene.
   [[nodiscard]] std::string echoed() const;
-  /// Adds a row with the parameters at x; returns θ.
+  /// Adds a row to the history, completed by the parameter values θ at x; returns θ.
   std::vector<double> add(io::History::Row row, std::span<const double> x);
-  /// Starts history.csv with the rows so far, or adds the last one.
+  /// Creates history.csv with all rows, or appends the last row to it.
   void show_row();
 
   SearchSubject subject_;
@@ -149,7 +150,7 @@ private:
   Files files_;
   int every_, stored_at_ = -1;
   bool resumes_, evaluated_ = false;
-  std::optional<Progress> progress_; ///< only for a control alone; others print a line for each iterate
+  std::optional<Progress> progress_; ///< set if only a control is sought; else each iterate prints a line
   Clock::time_point start_ = Clock::now();
   double reference_norm_ = 0;
   double earlier_ = 0; ///< seconds of the search before it was resumed

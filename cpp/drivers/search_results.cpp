@@ -12,7 +12,7 @@
 namespace signorini::drivers {
 namespace {
 
-/// The point that a search found: its problem and the forces there.
+/// Problem and forces at the point that a search found.
 class SearchPoint {
 public:
   SearchPoint(const SearchSubject& subject, const SearchEnd& end) {
@@ -41,7 +41,7 @@ private:
   std::optional<problem::GivenControl> given_;
 };
 
-/// Describes how the states of motions were stored, and the cost.
+/// Line on how the states of motions were stored, and on the memory and time for that.
 std::string storage_line(const problem::Problem& problem, const problem::ControlProblem& control_problem) {
   const auto seconds = [&](const char* phase) {
     const auto found = problem.timers.entries().find(phase);
@@ -51,16 +51,16 @@ std::string storage_line(const problem::Problem& problem, const problem::Control
   const double bytes = control_problem.storage.bytes();
   const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
   if (kept == scene::Storage::disk)
-    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
+    return fmt::format("states on disk, {} for each motion: written in {:.1f} s, read in {:.1f} s", room,
                        seconds("states written"), seconds("states read"));
   if (kept == scene::Storage::checkpoints)
     return fmt::format("states in checkpoints of {:.3g} MB: {} steps recomputed in {:.1f} s",
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
                        seconds("states recomputed"));
-  return fmt::format("states in memory, {} a motion", room);
+  return fmt::format("states in memory, {} for each motion", room);
 }
 
-/// Advice on continuing a search that stopped before its end; else empty.
+/// Advice on continuing a search that was interrupted or reached its iteration limit; else empty.
 std::string continuation(optimize::Stop stop, const SearchSubject& subject) {
   if (!subject.problem || subject.scene.optimizer.checkpoint == 0)
     return "";
@@ -75,17 +75,17 @@ std::string words(optimize::Stop stop, const SearchEnd& end) {
                                                                   : optimize::name(stop);
 }
 
-/// Describes the kink at which a search ended on the console.
+/// Prints a description of the kink at which a search ended.
 void show(const io::Kink& kink, double first_norm, const Console& console) {
   std::string text = fmt::format(
-      "no direction lowers J: {} gradients within {:.1e} of the control have a combination of length "
+      "no direction lowers J: {} gradients within {:.1e} of the control have a convex combination of norm "
       "{:.2e}, {:.1e} of the first gradient's; ",
       kink.gradients, kink.radius, kink.length, kink.length / first_norm);
   text +=
       kink.weak.empty()
           ? std::string(
-                "the same candidates are closed at all of them: J changes its piece nearer to the control, "
-                "as where contact chatters")
+                "the same candidates are closed at all these points: J has kinks nearer to the control, as "
+                "where contact chatters")
           : fmt::format("contact is weak at {} candidates and steps:", kink.weak.size());
   console.line(text);
   constexpr std::size_t most_lines = 8;
@@ -93,7 +93,7 @@ void show(const io::Kink& kink, double first_norm, const Console& console) {
     console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
                              kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
   if (kink.weak.size() > most_lines)
-    console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
+    console.line(fmt::format("  and {} more; run.json lists all", kink.weak.size() - most_lines));
 }
 
 /// Warns if a search ended without a minimum where candidates open and close from step to step, so that J
@@ -105,14 +105,14 @@ void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced,
     return;
   manifest.warnings.push_back(
       {"search among chattering contact",
-       fmt::format("the search found no further decrease where contact chatters: candidates switch for a "
-                   "single step {} times, {} are closed over all steps; {}",
+       fmt::format("the search found no further decrease where contact chatters. Candidates open or close "
+                   "for a single step {} times; {} are closed, summed over all steps; {}",
                    found.alternating, found.closed, other),
        static_cast<double>(found.alternating), 0});
   console.line("warning: " + manifest.warnings.back().message);
 }
 
-/// Writes the motion's files; with parameters also returns the values to compare with the measured ones.
+/// Writes the files of the motion. If parameters are sought, returns the simulated measurements.
 Simulated write_motion(const SearchSubject& subject, const SearchPoint& found, MotionWriter& recorder) {
   const problem::Problem& problem = found.problem();
   if (subject.parameters)
@@ -124,7 +124,7 @@ Simulated write_motion(const SearchSubject& subject, const SearchPoint& found, M
   return {};
 }
 
-/// Fitted parameters, and how well the data identify them.
+/// Collects the fitted parameters, and how well the data determine them.
 io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchEnd& end,
                Simulated simulated) {
   const problem::ParameterProblem& parameters = *subject.parameters;
@@ -170,7 +170,7 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
                      *subject.scene.optimizer.tolerance * end.first_norm, cost);
 }
 
-/// Writes the tables of a search and its scene.
+/// Writes the tables of a search, and its scene.
 void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const SearchLog& log,
                   const std::optional<io::Fit>& fit) {
   const scene::Output& output = subject.scene.output;
@@ -224,7 +224,7 @@ void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, cons
   console.line("stopped: " + words(end.stop, end) + continuation(end.stop, subject));
   const bool failed = end.stop == optimize::Stop::solver_failed || end.stop == optimize::Stop::no_decrease;
   if (failed && !end.failure.empty())
-    console.line("the last trial that failed: " + end.failure);
+    console.line("last failed trial: " + end.failure);
   if (fit)
     for (const std::string& line : outcome_lines(*fit))
       console.line(line);

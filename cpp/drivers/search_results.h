@@ -5,18 +5,19 @@
 
 namespace signorini::drivers {
 
-/// Reason for the end of a search, with its figures.
+/// End of a search: its reason, and data of the search for the results.
 struct SearchEnd {
   optimize::Stop stop;
   double first_norm = std::numeric_limits<double>::quiet_NaN(); ///< gradient norm at the first guess
-  std::optional<optimize::GaussNewtonIterate> fitted{};         ///< last iterate for parameters alone
+  std::optional<optimize::GaussNewtonIterate> fitted{};         ///< last iterate of a fit without a control
   std::string failure{};                                        ///< message of the last trial that failed
-  std::vector<io::CoarseLevel> levels{};
-  std::optional<io::Accuracy> accuracy{};
+  std::vector<io::CoarseLevel> levels{};                        ///< searches on coarse meshes
+  std::optional<io::Accuracy> accuracy{};                       ///< errors of J, with --accuracy
 };
 
-/// Writes the results of a search, at its current variables or at the fitted values, moves them into the
-/// output folder and prints them. Collective. Throws UserError, SolverFailure, WriteFailure.
+/// Writes and prints the results of a search, at the fitted values or else at the reduced problem's current
+/// variables, and moves the files into the output folder. Throws UserError, SolverFailure, WriteFailure.
+/// Collective.
 void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console);
 
 } // namespace signorini::drivers

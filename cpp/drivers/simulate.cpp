@@ -13,10 +13,11 @@
 namespace signorini::drivers {
 namespace {
 
-/// Motion under the scene's given control, with all recorders of it.
+/// Simulation of a scene under its given control, with the recorders of the motion.
 class Simulation {
 public:
-  /// Collective. Throws UserError.
+  /// Opens the recorders. `measure`: whether to simulate the scene's measurements. Throws UserError.
+  /// Collective.
   Simulation(problem::Problem& problem, const io::OutputFolder& folder, bool measure)
       : problem_(problem), given_(problem), load_(given_.load()) {
     start_objective();
@@ -27,7 +28,7 @@ public:
       data_.emplace(problem.stepper, problem.grid, problem.scene);
   }
 
-  /// Makes the steps. Collective. Throws UserError, SolverFailure, WriteFailure.
+  /// Computes all time steps. Throws UserError, SolverFailure, WriteFailure. Collective.
   void run(const Console& console) {
     constexpr int per_mille = 1000;
     const auto timer = problem_.timers.time("forward");
@@ -56,10 +57,10 @@ public:
   [[nodiscard]] bool complete() const { return problem_.grid.complete() && steps_ == problem_.steps(); }
   [[nodiscard]] MotionWriter& recorder() { return *recorder_; }
   [[nodiscard]] const std::optional<SyntheticData>& data() const { return data_; }
-  /// Reason why J is not known though the scene has an objective; else empty.
+  /// Reason why J cannot be computed although the scene has an objective; else empty.
   [[nodiscard]] const std::string& unknown() const { return unknown_; }
 
-  /// Entries of run.json for a simulation; prints its warnings. Collective.
+  /// Collects the entries of run.json and prints the warnings of the motion. Collective.
   [[nodiscard]] io::Manifest described(const Console& console) {
     io::Manifest m = manifest(problem_, "simulate", complete() ? "end of time" : "interrupted", steps_);
     if (m.lengths)
@@ -73,7 +74,8 @@ public:
   }
 
 private:
-  /// Sets up J, if the scene has one. A desired run that is missing or invalid does not stop the simulation.
+  /// Sets up the objective, if the scene has one. The simulation continues if the run of the desired motion
+  /// is missing or invalid.
   void start_objective() {
     if (!problem_.scene.objective)
       return;
@@ -111,7 +113,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (options.measure)
     require_measurable(comm, scene, out, options.replace);
   Timers timers;
-  problem::Problem problem(std::make_shared<const problem::Discretisation>(comm, scene, timers, meshing),
+  problem::Problem problem(std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers, meshing),
                            scene, problem::simulation_needs(scene), timers);
   console.line(headline(problem));
 
@@ -133,7 +135,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
                              m.objective->total(), m.objective->tracking, m.objective->terminal,
                              m.objective->control_cost));
   if (!simulation.unknown().empty())
-    console.line("J is not known: " + simulation.unknown());
+    console.line("J could not be evaluated: " + simulation.unknown());
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
   if (simulation.data() && complete) // before the results, whose presence implies that the data are written

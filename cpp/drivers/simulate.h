@@ -10,16 +10,16 @@ namespace signorini::drivers {
 
 /// Options of the verb simulate.
 struct SimulateOptions {
-  bool replace = false;                   ///< may remove files that a search left in its folder
-  bool measure = false;                   ///< writes the files of the scene's measurements
-  int seed = 1;                           ///< seed of the noise in these files; 0: none
-  std::optional<io::Accuracy> accuracy{}; ///< written with the results
-  bool keep_mesh = false;                 ///< stores the mesh in the folder, for its scene
-  bool whole = false; ///< does not write an interrupted motion, which would replace a whole one
+  bool replace = false;                   ///< whether files that a search left in the folder may be removed
+  bool measure = false;                   ///< whether to write the files of the scene's measurements
+  int seed = 1;                           ///< seed of the noise in these files; 0: no noise
+  std::optional<io::Accuracy> accuracy{}; ///< errors to be written with the results
+  bool keep_mesh = false;                 ///< whether to store the mesh in the folder
+  bool whole = false; ///< whether to discard an interrupted motion, which would replace a complete one
 };
 
-/// Runs the verb simulate: computes the scene's motion, writes the results into the folder `out` and returns
-/// the exit status. Collective. Throws UserError, SolverFailure, WriteFailure, Interrupted.
+/// Runs the verb simulate: computes the scene's motion and writes the results into the folder `out`. Returns
+/// the exit status. Throws UserError, SolverFailure, WriteFailure, Interrupted. Collective.
 int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                    const SimulateOptions& options, const Console& console);
 

@@ -8,10 +8,10 @@
 namespace signorini::drivers {
 namespace {
 
-/// Unit of an extensive figure; in the plane it is per unit of depth.
+/// Unit of an extensive quantity; in 2D `unit` per metre of depth.
 std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
 
-/// Components of a vector as text; those that are rounding beside the largest one are 0.
+/// Text of the first `dim` components of a vector; components below 1e-9 of the largest one are written as 0.
 std::string components(std::array<double, 3> x, int dim) {
   constexpr double rounding = 1e-9;
   const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
@@ -21,10 +21,11 @@ std::string components(std::array<double, 3> x, int dim) {
   return fmt::format("({:.4g})", fmt::join(x.begin(), x.begin() + dim, ", "));
 }
 
-/// Text on the sum of the moduli of nodal forces, if it exceeds their resultant noticeably; else empty.
+/// Text on the sum `normal` of the moduli of nodal forces if it exceeds their resultant by more than 0.1 % of
+/// the sum; else empty.
 std::string by_modulus(double resultant, double normal) {
   constexpr double alike = 1e-3;
-  return normal - resultant > alike * normal ? fmt::format(" ({:.4g} by modulus)", normal) : "";
+  return normal - resultant > alike * normal ? fmt::format(" ({:.4g} as sum of moduli)", normal) : "";
 }
 
 std::string nearest(const diagnostics::Touch& touch) {
@@ -35,7 +36,7 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
   if (!touch.occurred())
     return fmt::format("  {}: not touched; {}", name, nearest(touch));
   const std::string closed = touch.contact_time < 0.999 * (touch.end - touch.start)
-                                 ? fmt::format(", {:.4g} s of it with a force", touch.contact_time)
+                                 ? fmt::format(", with a force during {:.4g} s", touch.contact_time)
                                  : "";
   const std::array<double, 3>& J = touch.impulse;
   return fmt::format(
@@ -65,7 +66,7 @@ std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std:
                      velocities(one, ended, dim));
 }
 
-/// Adds a line for each of the first bounces, if there are several.
+/// Adds a line for each of the first five bounces, if there are several bounces.
 void add_bounces(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
   constexpr std::size_t most = 5;
   const std::size_t number = impact.bounces.size();
@@ -89,7 +90,7 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
     lines.push_back("contact: none; " + nearest(impact.all));
     return;
   }
-  lines.emplace_back("contact (impulse, its time from 1 to 99 % and, if the force is smooth, its sustained "
+  lines.emplace_back("contact (impulse, its time from 1 to 99 % and, if the force is smooth, the sustained "
                      "peak converge; touch times and two-step peaks need not):");
   for (const diagnostics::Touch& one : impact.obstacles)
     lines.push_back(touch_line(one.name, one, dim));
@@ -151,18 +152,19 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
       seconds("forward"), seconds("balances"), seconds("output"), bytes / 1e6);
   if (fields || scene.output.table(scene::StoredTable::contact))
     text += scene.output.every == 0
-                ? fmt::format(", fields and contact at {} times (output.every = 1: of every step)",
+                ? fmt::format(", fields and contact at {} times (output.every = 1 stores every step)",
                               manifest.stored)
-                : fmt::format(
-                      ", fields and contact of {} (output.every = {})",
-                      scene.output.every == 1
-                          ? "every step"
-                          : fmt::format("one step in {}{}", scene.output.every,
-                                        scene.contacts.empty() ? "" : " and of that with the largest force"),
-                      scene.output.every);
+                : fmt::format(", fields and contact of {} (output.every = {})",
+                              scene.output.every == 1
+                                  ? "every step"
+                                  : fmt::format("one step in {}{}", scene.output.every,
+                                                scene.contacts.empty() ? ""
+                                                                       : " and of the step with the largest "
+                                                                         "force"),
+                              scene.output.every);
   constexpr double noticeable = 1; // s
   if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
-    text += "; output took longest: output.every, output.fields and output.tables say what is stored";
+    text += "; output took longest: store less by output.every, output.fields or output.tables";
   return text;
 }
 

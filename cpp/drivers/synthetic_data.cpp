@@ -31,8 +31,9 @@ constexpr const char* author = "signorini simulate --measure";
 
 fs::path note_of(const fs::path& file) { return file.string() + ".measured"; }
 
-/// Digests in a note, empty without one: of the file as it was written, and of the one that it replaced. If a
-/// process is killed between note and file, the note still identifies the file that is left.
+/// Reads the digests in a note: that of the file as written, and that of the file which it replaced. Empty if
+/// there is no valid note. If a process is killed between writing note and file, the second digest still
+/// identifies the old file.
 std::vector<std::string> digests_in(const fs::path& note) {
   std::vector<std::string> digests;
   std::ifstream in(note, std::ios::binary);
@@ -47,7 +48,8 @@ std::vector<std::string> digests_in(const fs::path& note) {
 
 std::string digest_of(const fs::path& file) { return Digest().add(scene::read_file(file)).text(); }
 
-/// Writes a file beside its place, under a name that no other process uses. Throws UserError.
+/// Writes a temporary file beside `file`, under a name that no other process uses; returns its path. Throws
+/// UserError.
 fs::path staged(const fs::path& file, const std::string& text) {
   const fs::path part = file.parent_path() / fmt::format(".{}.{}", file.filename().string(), getpid());
   std::ofstream out(part, std::ios::binary);
@@ -56,18 +58,20 @@ fs::path staged(const fs::path& file, const std::string& text) {
     return part;
   std::error_code ignored;
   fs::remove(part, ignored);
-  throw UserError(fmt::format("{}: the data cannot be written there; choose another folder", file.string()));
+  throw UserError(
+      fmt::format("{}: the data cannot be written to this path; choose another folder", file.string()));
 }
 
-/// Writes files and their notes, all of them or none but for a failure between two renames. Throws UserError.
+/// Writes files and their notes. Throws UserError if that fails; then no file has changed, unless the failure
+/// is in renaming.
 void write_files(const std::map<fs::path, std::string>& files) {
   std::vector<std::pair<fs::path, fs::path>> moves; // in this order: the note precedes its file
   try {
     for (const auto& [file, text] : files) {
       std::error_code error;
       fs::create_directories(file.parent_path(), error);
-      std::string note = fmt::format("# {} as {} wrote it, and as it was before.\n"
-                                     "# --replace overwrites it while its digest is one of these.\n{}\n",
+      std::string note = fmt::format("# Digests of {} as written by {}, and as it was before.\n# --replace "
+                                     "overwrites the file while its digest is one of these.\n{}\n",
                                      file.filename().string(), author, Digest().add(text).text());
       if (fs::exists(file))
         note += digest_of(file) + '\n';
@@ -84,12 +88,12 @@ void write_files(const std::map<fs::path, std::string>& files) {
     std::error_code error;
     fs::rename(part, place, error);
     if (error)
-      throw UserError(fmt::format("{}: the data cannot be written there ({}); choose another folder",
+      throw UserError(fmt::format("{}: the data cannot be written to this path ({}); choose another folder",
                                   place.string(), error.message()));
   }
 }
 
-/// Throws UserError unless a file may be written.
+/// Throws UserError unless the file of a measurement may be written (require_measurable()).
 void require_ours(const fs::path& file, const scene::Scene& scene, const fs::path& out, bool replace) {
   std::error_code none;
   if (fs::weakly_canonical(file.parent_path(), none) == fs::weakly_canonical(fs::absolute(out), none) &&
@@ -99,13 +103,13 @@ void require_ours(const fs::path& file, const scene::Scene& scene, const fs::pat
   const fs::path note = note_of(file);
   const std::vector<std::string> known = digests_in(note);
   if (known.empty() && fs::exists(fs::symlink_status(note, none)))
-    throw UserError(
-        fmt::format("--measure: {} is in the way of the note beside the data; move it", note.string()));
+    throw UserError(fmt::format(
+        "--measure: {} has the name of the note that is written beside the data; move it", note.string()));
   if (!fs::exists(fs::symlink_status(file, none)))
     return;
   if (!replace)
     throw UserError(fmt::format(
-        "--measure: {} exists and stays as it is, since a fit may use it; overwrite it with --replace",
+        "--measure: {} exists and is not overwritten, since a fit may use it; to overwrite it, add --replace",
         file.string()));
   for (const scene::NamedSeries& series : scene::time_series(scene))
     if (fs::equivalent(series.file, file, none))
@@ -113,11 +117,11 @@ void require_ours(const fs::path& file, const scene::Scene& scene, const fs::pat
           "--measure: {} is a table that the scene reads; choose another measurement.file", file.string()));
   if (known.empty() || !fs::is_regular_file(file, none))
     throw UserError(fmt::format("--measure: {} was not written by simulate --measure (there is no {}), and "
-                                "stays as it is; choose another measurement.file, or move it",
+                                "is not overwritten; choose another measurement.file, or move the file",
                                 file.string(), note.filename().string()));
   if (std::ranges::find(known, digest_of(file)) == known.end())
-    throw UserError(fmt::format("--measure: {} has changed since simulate --measure wrote it, and stays as "
-                                "it is; choose another measurement.file, or move it",
+    throw UserError(fmt::format("--measure: {} has changed since simulate --measure wrote it, and is not "
+                                "overwritten; choose another measurement.file, or move the file",
                                 file.string()));
 }
 
@@ -141,7 +145,7 @@ void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::fil
           fmt::format("--measure: {}.column: found \"time\", which is the column of times; choose another",
                       scene::measurement_key(i)));
     if (std::ranges::find(names, one.column) != names.end())
-      throw UserError(fmt::format("--measure: {}.column: found \"{}\", which another measurement has in the "
+      throw UserError(fmt::format("--measure: {}.column: found \"{}\", which another measurement uses in the "
                                   "same file; choose another",
                                   scene::measurement_key(i), one.column));
     names.push_back(one.column);

@@ -8,24 +8,24 @@
 namespace signorini::drivers {
 
 /// Throws UserError unless a simulation into the folder `out` can write the files of a scene's measurements.
-/// Each measurement must have a deviation, and each file be absent or, with `replace`, as
-/// SyntheticData::write() left it. Files that the run itself reads or writes are refused. Collective.
+/// Each measurement must have a deviation. Each file must be absent or, if `replace`, unchanged since
+/// SyntheticData::write() wrote it. The run itself must not read or write the files. Collective.
 void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                         bool replace);
 
-/// Synthetic data for a fit: the scene's measurements in a simulation, at the ends of all steps. All members
-/// collective.
+/// Synthetic data for a fit: the scene's measurements, taken from a simulation at the ends of all steps. All
+/// members are collective.
 class SyntheticData {
 public:
-  /// The references must outlive this object. Throws UserError.
+  /// Prepares the measurements. Throws UserError. The references must outlive this object.
   SyntheticData(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Scene& scene);
 
-  /// Takes the frame after the last one, from frame 0 on.
+  /// Records a frame; must be called for all frames in order, from frame 0 on.
   void observe(const trajectory::Frame& frame) { measurements_.observe(frame); }
 
-  /// Writes the files, with normal noise of the scene's deviations generated from `seed` (0: no noise).
-  /// Writes FILE.measured beside each, with the digests of the new file and of the one replaced. Returns
-  /// lines on the files written. Throws UserError.
+  /// Writes the files of the measurements, with normally distributed noise of the scene's deviations. `seed`:
+  /// seed of the noise; 0: no noise. Writes a note FILE.measured beside each file, with the digests of the
+  /// new file and of the replaced one. Returns lines on the files written. Throws UserError.
   [[nodiscard]] std::vector<std::string> write(int seed) const;
 
 private:

@@ -13,7 +13,7 @@ namespace signorini::fem {
 
 namespace {
 
-/// Disjoint sets of the numbers 0 … n − 1 (union-find), at first of one number each.
+/// Disjoint sets of the numbers 0 … n − 1 (union-find); initially each number is a set of its own.
 class Sets {
 public:
   explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -37,7 +37,8 @@ std::int64_t sum(MPI_Comm comm, std::int64_t mine) {
   return mine;
 }
 
-/// Facets of a group that this rank owns, so that none is counted twice.
+/// Facets of a group that this rank owns. Each facet has one owner, so that sums over the ranks count it
+/// once.
 std::vector<std::int32_t> owned_facets(const mesh::Mesh& mesh, const std::string& group,
                                        const std::string& key) {
   std::vector<std::int32_t> facets = mesh.facets(group, key);
@@ -46,7 +47,7 @@ std::vector<std::int32_t> owned_facets(const mesh::Mesh& mesh, const std::string
   return facets;
 }
 
-/// Global numbers of this rank's nodes, owned and ghosts.
+/// Global numbers of this rank's nodes, first the owned ones, then the ghosts.
 std::vector<std::int64_t> global_nodes(const Space& space) {
   const auto map = space.dolfinx()->dofmap()->index_map;
   std::vector<std::int32_t> local(static_cast<std::size_t>(map->size_local() + map->num_ghosts()));
@@ -107,7 +108,7 @@ std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, cons
 
 namespace {
 
-/// A cell of each facet.
+/// Returns one cell of each facet, by local index.
 std::vector<std::int32_t> cells_of(const Space& space, const std::vector<std::int32_t>& facets) {
   const auto cells = space.mesh().dolfinx()->topology()->connectivity(space.dim() - 1, space.dim());
   std::vector<std::int32_t> found;
@@ -116,7 +117,7 @@ std::vector<std::int32_t> cells_of(const Space& space, const std::vector<std::in
   return found;
 }
 
-/// Local numbers of the nodes of each facet.
+/// Local node numbers of each facet.
 std::vector<std::vector<std::int32_t>> nodes_of(const Space& space, const std::vector<std::int32_t>& facets) {
   const auto of_cell = space.mesh().dolfinx()->topology()->connectivity(space.dim(), space.dim() - 1);
   const auto dofmap = space.dolfinx()->dofmap();

@@ -7,30 +7,32 @@
 
 namespace signorini::fem {
 
-/// The connected parts of the mesh, which share no node.
+/// Connected parts of the mesh; two parts have no node in common.
 struct ConnectedParts {
   int count = 0;
-  std::vector<int> of_node; ///< part number of each owned node, numbered alike on every rank
+  std::vector<int> of_node; ///< part number of each owned node, with the same numbering on every rank
 };
 /// Finds the connected parts of the mesh. Collective.
 ConnectedParts connected_parts(const Space& space);
 
-/// Number of facets of a group, on all ranks, with a cell on either side. Collective. Throws UserError naming
-/// `key`, as mesh::Mesh::facets does.
+/// Counts the facets of a group on all ranks that have a cell on either side. Collective. Throws UserError
+/// naming `key`, as mesh::Mesh::facets does.
 std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key);
 
-/// Number of facets of a group, on all ranks, whose nodes are all in `first_dofs`: the first global dofs of
-/// nodes, ascending, of all ranks. Collective. Throws UserError naming `key`, as mesh::Mesh::facets does.
+/// Counts the facets of a group on all ranks whose nodes are all in a given set. `first_dofs`: first global
+/// dof of each node of the set, on whichever rank it is, ascending. Collective. Throws UserError naming
+/// `key`, as mesh::Mesh::facets does.
 std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
                           const std::vector<PetscInt>& first_dofs);
 
-/// A node of the boundary and the normal of a facet there.
+/// Node of the boundary, with the normal of one facet of the boundary at this node.
 struct OutwardNormal {
   PetscInt first_dof;      ///< first global dof of the node
-  std::array<double, 3> n; ///< unit vector out of the body
+  std::array<double, 3> n; ///< unit normal of the facet, out of the body
 };
 
-/// Outward normals: one for each facet of the boundary that this rank owns and each of its nodes. Collective.
+/// Lists the outward normals at the nodes of the boundary: one entry for each facet of the boundary that this
+/// rank owns and each node of the facet. Collective.
 std::vector<OutwardNormal> outward_normals(const Space& space);
 
 } // namespace signorini::fem

@@ -19,7 +19,7 @@ namespace {
 
 using Gradient = std::array<std::array<double, 3>, 3>; // ∂y_r/∂x_c
 
-/// Determinant of a (3 × 3) matrix given by its entries f(i, j).
+/// Determinant of the (3 × 3) matrix with the entries f(i, j).
 template <class Entry>
 double determinant(Entry&& f) {
   return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) -
@@ -27,8 +27,8 @@ double determinant(Entry&& f) {
          f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
 
-/// Largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula; 0 if it is certainly
-/// less than `least`.
+/// Largest modulus of the eigenvalues of the symmetric part of G, by the trigonometric formula. Returns 0
+/// without computing it if a bound shows that it is less than `least`.
 double principal_strain(const Gradient& G, double least) {
   const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
   const double mean = (e(0, 0) + e(1, 1) + e(2, 2)) / 3;
@@ -48,17 +48,17 @@ double principal_strain(const Gradient& G, double least) {
   return std::max(std::abs(high), std::abs(low));
 }
 
-/// Length of the axial vector of the skew part: an angle, rad.
+/// Length of the axial vector of the skew part of G: the angle of the infinitesimal rotation, rad.
 double rotation(const Gradient& G) {
   return std::hypot(G[1][0] - G[0][1], G[2][1] - G[1][2], G[0][2] - G[2][0]) / 2;
 }
 
-/// det(I + ∇y).
+/// det(I + ∇y) for ∇y = G.
 double volume_ratio(const Gradient& G) {
   return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
-/// The largest of values over all ranks; `at(i)` is the place of the i-th. Collective.
+/// Finds the largest of the values of all ranks; `at(i)` is the location of value i of this rank. Collective.
 template <class At>
 Largest largest(MPI_Comm comm, const std::vector<double>& values, At&& at) {
   Largest found;
@@ -77,7 +77,7 @@ Largest largest(MPI_Comm comm, const std::vector<double>& values, At&& at) {
   return found;
 }
 
-/// The middle of a cell, to the last bit the same however its vertices are numbered.
+/// Midpoint of a cell, bitwise independent of the numbering of the cell's vertices.
 template <class Vertex>
 Simplex::Point middle(int dim, Vertex&& vertex) {
   std::vector<Simplex::Point> corners(static_cast<std::size_t>(dim) + 1);
@@ -91,8 +91,8 @@ Simplex::Point middle(int dim, Vertex&& vertex) {
   return at;
 }
 
-/// ∇y at vertex v of a cell: for degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b; `slope` are the
-/// gradients of the barycentric coordinates λ.
+/// ∇y at vertex v of a cell. `slope`: gradients of the barycentric coordinates λ. For degree 2 the basis
+/// consists of λ_i (2λ_i − 1) and 4 λ_a λ_b.
 Gradient gradient(const Space& space, std::span<const std::int32_t> dofs, std::span<const double> at_dofs,
                   const std::array<Simplex::Point, 4>& slope, const std::vector<std::vector<int>>& edges,
                   std::size_t v) {

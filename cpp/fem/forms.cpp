@@ -24,14 +24,14 @@ namespace signorini::fem {
 
 namespace {
 
-/// A cell's midpoint for messages.
+/// Midpoint of a cell as text for messages, m.
 std::string place(const mesh::Mesh& mesh, std::int32_t cell) {
   const std::vector<double> x =
       dolfinx::mesh::compute_midpoints(*mesh.dolfinx(), mesh.dim(), std::vector{cell});
   return point_text(x.data(), mesh.dim());
 }
 
-/// Throws UserError unless every cell of this rank is in exactly one part.
+/// Throws UserError unless every cell that this rank owns is in exactly one part.
 void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts) {
   constexpr std::size_t none = -1;
   std::vector<std::size_t> part_of(mesh.owned_cells().size(), none);
@@ -69,7 +69,7 @@ std::vector<Part> parts(const mesh::Mesh& mesh, const std::vector<scene::Materia
 
 namespace {
 
-/// Generated code of every form, in the order of enum Form, and of every field, in that of enum CellField.
+/// Generated code of all forms, in the order of enum Form, and of all fields, in the order of enum CellField.
 struct Generated {
   std::array<const ufcx_form*, 14> forms;
   std::array<const ufcx_expression*, 3> fields;
@@ -117,7 +117,8 @@ using Compiled = dolfinx::fem::Form<PetscScalar, double>;
 
 using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<PetscScalar>>>;
 
-/// Constants of forms and fields, by their names there; viscosities of zero for a material without viscosity.
+/// Constants of forms and fields, by their names in forms/viscoelasticity.py. A material without viscosity
+/// has the viscosities zero.
 Constants constants(const scene::Material& material, double tau) {
   const auto constant = [](double value) {
     return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
@@ -128,7 +129,8 @@ Constants constants(const scene::Material& material, double tau) {
           {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
 }
 
-/// A form over `entities`: cells, or facets as pairs of a cell and the facet's number in it.
+/// Compiles a form over `entities`: cells, or facets given as pairs of a cell and the facet's number in this
+/// cell.
 Compiled compile(const Space& space, Form form, const scene::Material& material, double tau,
                  const std::vector<std::int32_t>& entities) {
   using enum dolfinx::fem::IntegralType;
@@ -160,7 +162,7 @@ void finish(Mat matrix) {
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
-/// A matrix with the pattern of a form over all parts. Collective.
+/// Creates a matrix without values, with the nonzero pattern of a form over all parts. Collective.
 petsc::Matrix empty(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                     const char* type) {
   std::vector<std::int32_t> all;
@@ -176,8 +178,8 @@ petsc::Matrix symmetric(petsc::Matrix matrix) {
   return matrix;
 }
 
-/// Facets that this rank owns, each as a pair of a cell and the facet's number in it. For an inner facet
-/// either of its cells will do, as functions of V are continuous.
+/// Selects the facets that this rank owns, each as a pair of a cell and the facet's number in this cell. For
+/// an inner facet either cell can be taken, since functions of V are continuous.
 std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32_t>& facets) {
   const auto topology = space.mesh().dolfinx()->topology();
   const int dim = topology->dim();
@@ -195,7 +197,7 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
   return sides;
 }
 
-/// Assembles a form without material over `entities` (AIJ). Collective.
+/// Assembles a form that has no material constants over `entities` (AIJ). Collective.
 petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std::int32_t>& entities) {
   constexpr double no_tau = 0;
   petsc::Matrix matrix(
@@ -205,7 +207,8 @@ petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std
   return matrix;
 }
 
-/// Assembles `volume` over a group of cells or `surface` over one of facets (AIJ). Collective.
+/// Assembles the form `volume` over a group of cells, or the form `surface` over a group of facets (AIJ).
+/// Collective.
 petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
                             Form surface) {
   return space.mesh().group_dimension(group, key) < space.dim()
@@ -213,7 +216,7 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
              : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
-/// Diagonal of a form at the virtual nodes (virtual nodes × dim); for d it is m + τ/2 b + τ²/4 a.
+/// Diagonal entries of a form at the virtual nodes (virtual nodes × dim); those of d are m + τ/2 b + τ²/4 a.
 std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) {
   std::vector<double> diagonal;
   for (const VirtualNode& node : space.layout().virtual_nodes())
@@ -287,7 +290,7 @@ struct CellFields::Expressions {
   struct Field {
     Function values;
     std::vector<Expression> of_parts;
-    bool current = false; ///< whether the values are those of the last motion set
+    bool current = false; ///< whether `values` belong to the state last set
   };
   std::map<CellField, Field> fields; ///< fields evaluated so far
 
@@ -306,7 +309,7 @@ struct CellFields::Expressions {
     return fields.emplace(field, std::move(made)).first->second;
   }
 
-  /// Values of a field for the motion last set.
+  /// Returns the values of a field for the state last set, computing them if they are not current.
   const Function& now(CellField field) {
     Field& found = of(field);
     for (std::size_t i = 0; !found.current && i < found.of_parts.size(); ++i)

@@ -9,8 +9,8 @@ namespace signorini::fem {
 
 using Function = dolfinx::fem::Function<double>;
 
-/// Sets a function's values from those that this rank owns; values of virtual nodes behind them are ignored.
-/// Collective.
+/// Sets a function's values from the values at the dofs that this rank owns, and updates ghosts. Values of
+/// virtual nodes, which follow in `owned`, are ignored. Collective.
 inline void set(Function& to, std::span<const double> owned) {
   const auto own = static_cast<std::size_t>(to.function_space()->dofmap()->index_map->size_local() *
                                             to.function_space()->dofmap()->index_map_bs());

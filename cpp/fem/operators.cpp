@@ -35,8 +35,8 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c).text : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
           if (const auto& [other, by] = held->second; !first && other != value)
-            throw UserError(fmt::format("{}: found \"{}\" where {} prescribes {} of the node at {} as "
-                                        "\"{}\"; clamps that meet need the same motion",
+            throw UserError(fmt::format("{}: found \"{}\", but {} prescribes {} of the node at {} as \"{}\"; "
+                                        "clamps that share a node must prescribe the same motion",
                                         key(i, "value"), value, key(by, "value"), "xyz"[components[c]],
                                         point_text(&space.points()[3 * static_cast<std::size_t>(node)]),
                                         other));
@@ -83,7 +83,8 @@ petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
 
 namespace {
 
-/// c with matrix = c other to rounding, if there is one; tested on a random vector. Collective.
+/// Returns c with `matrix` = c `other` up to rounding, or nothing if no such c exists; tested with a random
+/// vector. Collective.
 std::optional<double> ratio(Mat matrix, Mat other) {
   petsc::Vector x = petsc::vector_of(matrix), y = petsc::zero_like(x), z = petsc::zero_like(x);
   check(VecSetRandom(x, nullptr));
@@ -100,7 +101,7 @@ std::optional<double> ratio(Mat matrix, Mat other) {
   return std::abs(c - 1) <= rounding ? 1 : c;
 }
 
-/// The rows and columns of the first component of an AIJ matrix with blocks. Collective.
+/// Extracts the rows and columns of the first component from an AIJ matrix with blocks. Collective.
 petsc::Matrix first_component(Mat rows) {
   PetscInt dim = 1, begin = 0, end = 0;
   check(MatGetBlockSize(rows, &dim));
@@ -112,7 +113,7 @@ petsc::Matrix first_component(Mat rows) {
   return component;
 }
 
-/// The first component of an AIJ matrix, applied to all components (MAIJ). Collective.
+/// Returns the MAIJ matrix that applies the first component of an AIJ matrix to all components. Collective.
 petsc::Matrix one_for_all(Mat rows) {
   PetscInt dim = 1;
   check(MatGetBlockSize(rows, &dim));
@@ -121,8 +122,8 @@ petsc::Matrix one_for_all(Mat rows) {
   return all;
 }
 
-/// Returns one_for_all() if that is the same operator, else the upper half of the matrix in blocks (SBAIJ).
-/// Collective.
+/// Stores a matrix in the most compact way: returns one_for_all() if it is the same operator, else the upper
+/// half in blocks (SBAIJ). Collective.
 petsc::Matrix compress(petsc::Matrix rows) {
   petsc::Matrix all = one_for_all(rows);
   if (ratio(rows, all) == 1)
@@ -132,7 +133,7 @@ petsc::Matrix compress(petsc::Matrix rows) {
   return symmetric_half(blocks);
 }
 
-/// Global numbers `first` + i of owned local numbers i. Collective.
+/// Index set of the global numbers `first` + i, for local numbers i. Collective.
 petsc::IndexSet numbers(MPI_Comm comm, PetscInt first, const std::vector<int>& local) {
   std::vector<PetscInt> global;
   for (int i : local)

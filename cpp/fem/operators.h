@@ -5,23 +5,24 @@
 
 namespace signorini::fem {
 
-/// Dofs that clamps prescribe, and dofs of virtual nodes that are zero.
+/// Clamped dofs: dofs whose motion the scene's clamps prescribe, and dofs of virtual nodes that are fixed to
+/// zero.
 class DirichletDofs {
 public:
-  /// Collective. Throws UserError, on every rank, if a group is missing or two clamps prescribe different
-  /// motions of a dof.
+  /// Collects the clamped dofs. Collective. Throws UserError on every rank if a group is missing or two
+  /// clamps prescribe different motions of the same dof.
   DirichletDofs(const Space& space, const std::vector<scene::Clamp>& clamps);
 
-  /// Owned dofs that are clamped, ascending local numbers.
+  /// Clamped dofs that this rank owns, by local number, ascending.
   [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
-  /// Whether a component of an owned node (local number) is clamped. Not collective.
+  /// Whether a component (0, 1, 2) of an owned node (local number) is clamped. Not collective.
   [[nodiscard]] bool contains(int node, int component) const;
 
   /// Sets the clamped entries of a vector of V to zero. Not collective.
   void clear(Vec x) const;
 
-  /// Decouples the clamped dofs of a symmetric matrix: sets their rows and columns to zero and their diagonal
-  /// to the largest diagonal entry, which is returned. Collective.
+  /// Decouples the clamped dofs of a symmetric matrix: sets their rows and columns to zero, and their
+  /// diagonal entries to the largest diagonal entry of the matrix. Returns this entry. Collective.
   double decouple(Mat matrix) const;
 
 private:
@@ -30,61 +31,64 @@ private:
   PetscInt first_dof_;
 };
 
-/// Numbers (0, 1, 2) of the components `given`, in their order; of all `dim` components if absent.
+/// Converts components to numbers (0, 1, 2), in the order of `given`; returns the numbers of all `dim`
+/// components if `given` is absent.
 std::vector<int> component_numbers(const std::optional<std::vector<scene::Component>>& given, int dim);
 
-/// Matrices of the body without boundary conditions; docs/method.md section 1. They are stored as upper
-/// halves in blocks of the space dimension (SBAIJ), whose products are twice as fast as with AIJ. Forms that
-/// act on each component alike, such as L2 and m, store one component for all (MAIJ).
+/// Matrices of the body without boundary conditions; docs/method.md section 1. Each is stored as its upper
+/// half in blocks of the space dimension (SBAIJ), which makes products twice as fast as with AIJ. Forms that
+/// act alike on each component, such as L2 and m, store one component for all (MAIJ).
 struct Operators {
-  petsc::Matrix M;                       ///< form m, kg
+  petsc::Matrix M;                       ///< form m: kg, in the plane kg/m
   petsc::Matrix A;                       ///< form a
   std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
-  std::optional<petsc::Matrix> W;        ///< form L2; absent unless needed (densities)
-  std::optional<double> uniform_density; ///< ρ with M = ρ W, if there is one, kg/m³
+  std::optional<petsc::Matrix> W;        ///< form L2; present only if requested (`densities`)
+  std::optional<double> uniform_density; ///< density ρ with M = ρ W, kg/m³; absent if not uniform
 };
 
-/// Diagonal of one of these matrices, of any type. Collective.
+/// Diagonal of one of the matrices in Operators, of any storage type. Collective.
 petsc::Vector diagonal(Mat matrix);
 
-/// Assembles the matrices of the body; `densities`: whether W is needed, as for loads, nodal controls and an
-/// objective over the whole body. Collective. Throws UserError unless every cell belongs to exactly one of
-/// the materials.
+/// Assembles the matrices of the body. `densities`: whether W is needed, as it is for loads, nodal controls
+/// and an objective over the whole body. Collective. Throws UserError unless every cell belongs to exactly
+/// one material.
 Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
                              bool densities);
 
 /// Assembles the L2 product over a part of the body (a group of cells) or a surface (a group of facets). It
-/// is stored like W, one component for all (MAIJ), with entries only between nodes of the part. Collective.
-/// Throws UserError naming the scene's `key` if there is no such group.
+/// is stored like W, one component for all (MAIJ), and has entries only between nodes of the group.
+/// Collective. Throws UserError naming the scene's `key` if the group does not exist.
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
-/// Restricts an L2 product, W or of assemble_L2, to some nodes (owned, ascending local numbers) and to a
-/// number of components (MAIJ). Collective.
+/// Restricts an L2 product, either W or the result of assemble_L2(), to `nodes` (owned, ascending local
+/// numbers) and to `components` components per node (MAIJ). Collective.
 petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components);
 
-/// Attaches the rigid motions, the near null space of a matrix of V, for multigrid. Collective.
+/// Attaches the rigid motions to a matrix of V as its near null space, for multigrid. Collective.
 void attach_rigid_motions(Mat matrix, const Space& space);
 
-/// The submatrix of all rows and of some columns (owned, ascending local numbers). Collective.
+/// Extracts some columns of a matrix, with all rows. `columns`: owned columns, ascending local numbers.
+/// Collective.
 petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 
-/// Assembles the operator D of every step, docs/method.md section 1, from the form d (d_elastic without
-/// viscosity) for the time step `tau`, s, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+/// Assembles the step operator D (docs/method.md section 1) from the form d for the time step `tau`, s, in
+/// blocks (BAIJ); parts without viscosity use d_elastic. Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 
-/// Assembles the derivative of M, A or B by a constant of one material, by its number, from one of the forms
-/// m_rho … b_eta, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+/// Assembles the derivative of M, A or B with respect to a constant of the material with the number
+/// `material`, in blocks (BAIJ). `form`: one of m_rho … b_eta, which determines the matrix and the constant.
+/// Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_rate(const Space& space, const std::vector<scene::Material>& materials,
                             std::size_t material, Form form);
 
-/// Assembles the mass matrix M alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+/// Assembles the mass matrix M, in blocks (BAIJ). Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
 
-/// The upper half of a symmetric matrix of blocks (SBAIJ). Collective.
+/// Returns the upper half (SBAIJ) of a symmetric matrix of blocks (BAIJ). Collective.
 petsc::Matrix symmetric_half(const petsc::Matrix& blocks);
 
-/// D − c A as its upper half in blocks (SBAIJ). Collective.
+/// Returns D − c A as its upper half in blocks (SBAIJ). Collective.
 petsc::Matrix shifted(Mat A, Mat D, double c);
 
 } // namespace signorini::fem

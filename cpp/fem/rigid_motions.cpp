@@ -13,11 +13,11 @@ using petsc::check;
 namespace {
 
 constexpr int most_parts = 16;
-/// Part of the sum of the clamps' resistances below which a resistance is rounding.
+/// Share of the sum of all resistances of clamps below which a resistance counts as rounding error.
 constexpr double rounding = 1e-10;
 
-/// Translations along the axes, and rotations about the centre of the nodes of one part, scaled to the size
-/// of translations.
+/// Rigid motions of one part of the mesh: translations along the axes, and rotations about the centre of the
+/// part's nodes. Rotations are scaled to the same magnitude as the translations.
 std::vector<petsc::Vector> motions_of(const Space& space, const std::vector<int>& part_of_node, int part) {
   const auto dim = static_cast<std::size_t>(space.dim());
   std::array<double, 5> sums{}; // coordinates, their squares, number
@@ -59,7 +59,7 @@ std::vector<petsc::Vector> motions_of(const Space& space, const std::vector<int>
   return motions;
 }
 
-/// Combinations of motions that vanish on the clamped dofs.
+/// Basis of the linear combinations of `motions` that vanish on the clamped dofs. Collective.
 std::vector<petsc::Vector> unclamped(std::vector<petsc::Vector> motions, const DirichletDofs& clamped,
                                      MPI_Comm comm) {
   const std::size_t n = motions.size();

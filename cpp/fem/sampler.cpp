@@ -24,13 +24,13 @@ Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
   return {mesh.topology()->dim(), dolfinx_versions::vertices(mesh.geometry(), cell)};
 }
 
-/// Entities among which points are located: their dimension, and those owned.
+/// Entities in which points are located: cells or facets (by their dimension) that belong to this rank.
 struct Entities {
   int dim;
   std::vector<std::int32_t> numbers;
 };
 
-/// Entities of a group, or of the whole body without one.
+/// Returns the entities of the group `on`, or the owned cells if `on` is absent.
 Entities entities(const mesh::Mesh& mesh, const std::optional<std::string>& on, const std::string& key) {
   if (!on)
     return {mesh.dim(), mesh.owned_cells()};
@@ -38,13 +38,13 @@ Entities entities(const mesh::Mesh& mesh, const std::optional<std::string>& on, 
   return {dim, dim == mesh.dim() ? mesh.cells(*on, key) : mesh.facets(*on, key)};
 }
 
-/// An entity near a point: a cell that contains it, else the nearest one.
+/// Entity found for a point: a cell that contains the point, else the nearest entity.
 struct Near {
-  double squared = std::numeric_limits<double>::infinity(); ///< distance, m²
+  double squared = std::numeric_limits<double>::infinity(); ///< squared distance of the point, m²
   std::int32_t entity = -1;                                 ///< −1 on ranks without entities
 };
 
-/// Finds the nearest of these entities, cells or facets, for each point (n × 3).
+/// Finds for each point (n × 3) the nearest of `entities`, which are cells or facets by `dim`.
 std::vector<Near> nearest(const dolfinx::mesh::Mesh<double>& mesh, int dim,
                           const std::vector<std::int32_t>& entities, const std::vector<double>& points) {
   std::vector<Near> found(points.size() / 3);
@@ -80,13 +80,13 @@ std::vector<Near> nearest(const dolfinx::mesh::Mesh<double>& mesh, int dim,
   return found;
 }
 
-/// The first cell of a facet.
+/// Returns the first cell of a facet.
 std::int32_t cell_of(const dolfinx::mesh::Topology& topology, std::int32_t facet) {
   return topology.connectivity(topology.dim() - 1, topology.dim())->links(facet).front();
 }
 
-/// The projection of x (3) onto the plane of a facet of a cell, along which the barycentric coordinate of the
-/// opposite vertex is zero.
+/// Projects x (3) onto the plane of a facet of `cell`: onto the points where the barycentric coordinate of
+/// the vertex opposite the facet is zero.
 Simplex::Point onto_facet(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t facet, std::int32_t cell,
                           const double* x) {
   const auto& topology = *mesh.topology();
@@ -101,7 +101,7 @@ Simplex::Point onto_facet(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t 
           x[2] - coordinate / squared * g[2]};
 }
 
-/// Values of the scalar basis functions at ξ.
+/// Values of the element's scalar basis functions at the reference point ξ.
 std::vector<double> basis(const dolfinx::fem::FiniteElement<double>& element, const std::array<double, 3>& xi,
                           int dim) {
   const auto [values, shape] = element.basix_element().tabulate(

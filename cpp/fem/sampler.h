@@ -12,29 +12,31 @@ struct Quadrature {
   std::vector<double> weights; ///< (n), m^dim
 };
 
-/// The rule of order 2 on every cell of a mesh; all points on every rank, sorted by coordinates. Collective.
+/// Points and weights of the quadrature rule of order 2 on every cell of the mesh. The result contains the
+/// points of all ranks, sorted by coordinates, and is the same on every rank. Collective.
 Quadrature quadrature(const mesh::Mesh& mesh);
 
-/// Evaluates functions of V at given points, the same for any number of ranks and any mesh of the body. At a
-/// point just outside of this mesh, such as beyond a chord of a curved boundary, it evaluates the polynomial
-/// of the nearest cell.
+/// Evaluates functions of V at fixed points, which may come from another mesh of the same body. The result
+/// does not depend on the number of ranks. At a point outside of this mesh, for example beyond a chord of a
+/// curved boundary, it evaluates the polynomial of the nearest cell.
 class Sampler {
 public:
-  /// Locates `points` (n × 3), m, the same on every rank. `on`: physical group to evaluate on: a part of the
-  /// body, in its nearest cell, or a surface, at its nearest point. `cellwise`: evaluates functions that are
-  /// constant on each cell (owned cells × dim) in place of V. Throws UserError naming `key` if there is no
-  /// such group. Collective.
+  /// Locates `points` (n × 3), m, the same on every rank. `on`: physical group to evaluate on, by default the
+  /// whole body. If it is a part of the body, the nearest cell of this part is used; if it is a surface, the
+  /// nearest point of the surface. `cellwise`: evaluates cellwise constant functions (owned cells × dim)
+  /// instead of functions of V. Throws UserError naming `key` if the group does not exist. Collective.
   Sampler(const Space& space, const std::vector<double>& points,
           const std::optional<std::string>& on = std::nullopt, const std::string& key = {},
           bool cellwise = false);
 
-  /// Distances of the points from this mesh (n), m, zero inside.
+  /// Distance of each point from the mesh or, if given, the group `on` (n), m; zero inside.
   [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
 
-  /// Functional that evaluates one component of functions of V at a point, by its number. Collective.
+  /// Functional that maps a function of V to its component number `component` at the point number `point`.
+  /// Collective.
   [[nodiscard]] petsc::Vector functional(std::size_t point, int component) const;
 
-  /// Values of y at the points (n × dim), on every rank. Collective.
+  /// Values of y at all points (n × dim), the same on every rank. Collective.
   [[nodiscard]] std::vector<double> operator()(Vec y) const;
 
 private:
@@ -43,7 +45,7 @@ private:
   std::vector<std::size_t> mine_; ///< numbers of the points that this rank evaluates
   std::size_t count_;
   std::vector<double> distances_;
-  petsc::Matrix at_points_; ///< evaluation at points; one component for all (MAIJ)
+  petsc::Matrix at_points_; ///< evaluation at the points of this rank; one component for all (MAIJ)
   petsc::Vector values_;
 };
 

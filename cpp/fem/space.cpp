@@ -73,7 +73,7 @@ petsc::Matrix Layout::extended(petsc::Matrix matrix, std::span<const double> dia
 
 namespace {
 
-/// A space of functions of `degree`. Collective.
+/// Creates the space of Lagrange functions of `degree`. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> functions(const mesh::Mesh& mesh, int degree,
                                                                bool discontinuous, const Shape& shape) {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());

@@ -16,28 +16,28 @@ class FunctionSpace;
 
 namespace signorini::fem {
 
-/// A node that is in no cell of the mesh, such as the translation or the rotation of a rigid body. It is
-/// coupled to others by constraints alone: the forms m, b and a are diagonal there (docs/method.md
+/// Node outside of the mesh, for example for the translation or the rotation of a rigid body. Only
+/// constraints couple it to other nodes: the forms m, b and a are diagonal for its dofs (docs/method.md
 /// section 1).
 struct VirtualNode {
-  std::array<double, 3> mass{};      ///< form m by component: kg, or kg m² for a rotation
-  std::array<double, 3> damping{};   ///< form b: N s/m, or N m s
-  std::array<double, 3> stiffness{}; ///< form a: N/m, or N m
-  std::array<bool, 3> clamped{};     ///< components that are zero
+  std::array<double, 3> mass{};      ///< diagonal of form m by component: kg, or kg m² for a rotation
+  std::array<double, 3> damping{};   ///< diagonal of form b: N s/m, or N m s for a rotation
+  std::array<double, 3> stiffness{}; ///< diagonal of form a: N/m, or N m for a rotation
+  std::array<bool, 3> clamped{};     ///< components that are fixed to zero
 };
 
-/// Layout of a space's unknowns: first the mesh's nodes of each rank, then, on the last rank, the virtual
-/// nodes. Vectors have nodes × dim values, node by node.
+/// Numbering of a space's unknowns: each rank has its nodes of the mesh, followed on the last rank by the
+/// virtual nodes. Vectors have dim values per node, node by node.
 class Layout {
 public:
-  /// `mesh_nodes`: number of the mesh's nodes that this rank owns; `virtual_nodes`: the same on every rank.
-  /// Collective.
+  /// `mesh_nodes`: number of the mesh's nodes that this rank owns; `virtual_nodes`: all virtual nodes, the
+  /// same on every rank. Collective.
   Layout(MPI_Comm comm, int dim, int mesh_nodes, std::vector<VirtualNode> virtual_nodes);
 
   [[nodiscard]] int dim() const { return dim_; }
   /// Number of the mesh's nodes that this rank owns.
   [[nodiscard]] int mesh_nodes() const { return mesh_nodes_; }
-  /// Number of nodes that this rank owns.
+  /// Number of nodes that this rank owns, virtual nodes included.
   [[nodiscard]] int nodes() const { return mesh_nodes_ + (here_ ? static_cast<int>(virtual_.size()) : 0); }
   /// Global number of this rank's first dof.
   [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
@@ -48,12 +48,12 @@ public:
   /// Whether this rank owns the virtual nodes.
   [[nodiscard]] bool here() const { return here_; }
 
-  /// A zero vector. Collective.
+  /// Creates a zero vector. Collective.
   [[nodiscard]] petsc::Vector vector() const;
 
-  /// Extends a matrix over the mesh's dofs, or from other columns to these, by rows for the virtual ones. A
-  /// square matrix gets columns too, with `diagonal` (virtual nodes × dim) there. Returns `matrix` itself if
-  /// there are no virtual nodes. Collective.
+  /// Adds rows for the dofs of the virtual nodes to a matrix whose rows are the mesh's dofs. A square matrix
+  /// gets the same columns too, with `diagonal` (virtual nodes × dim; zero if empty) as diagonal entries.
+  /// Returns `matrix` unchanged if there are no virtual nodes. Collective.
   [[nodiscard]] petsc::Matrix extended(petsc::Matrix matrix, std::span<const double> diagonal = {}) const;
 
 private:
@@ -64,12 +64,12 @@ private:
   PetscInt first_dof_ = 0, dofs_ = 0;
 };
 
-/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh, without boundary conditions, and the
-/// unknowns of virtual nodes. Vectors of V contain the values at the owned nodes, node by node, in the order
-/// of layout().
+/// The space V: continuous vector-valued Lagrange functions of degree 1 or 2 on the mesh, without boundary
+/// conditions, together with the unknowns of virtual nodes. A vector of V contains the values at the nodes,
+/// node by node, in the order of layout().
 class Space {
 public:
-  /// Collective. `mesh` must outlive the space.
+  /// Sets up the space. `mesh` must outlive it. Collective.
   Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes = {});
 
   [[nodiscard]] int dim() const { return mesh_->dim(); }
@@ -87,18 +87,18 @@ public:
   /// Coordinates of the mesh's nodes that this rank owns, (owned_nodes × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
 
-  /// A zero vector of V. Collective.
+  /// Creates a zero vector of V. Collective.
   [[nodiscard]] petsc::Vector vector() const { return layout_.vector(); }
 
-  /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming
+  /// Local numbers, ascending, of the owned nodes on a boundary group. Collective. Throws UserError naming
   /// `key`, as mesh::Mesh::facets does.
   [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
 
-  /// Nodal interpolation of a field at time t, s; leaves virtual nodes as they are. Collective. Throws
-  /// UserError on every rank if a value is not finite.
+  /// Sets `out` to the nodal values of a field at time t, s; entries of virtual nodes remain unchanged.
+  /// Collective. Throws UserError on every rank if a value is not finite.
   void interpolate(const scene::Field& field, double t, Vec out) const;
 
-  /// Midpoints of the owned cells, (cells × 3), m.
+  /// Midpoints of the cells that this rank owns, (cells × 3), m.
   [[nodiscard]] std::vector<double> midpoints() const;
 
   [[nodiscard]] std::shared_ptr<dolfinx::fem::FunctionSpace<double>> dolfinx() const { return V_; }
@@ -111,15 +111,17 @@ private:
   std::vector<double> points_;
 };
 
-/// Numbers of components along each axis of a value: empty for a scalar, (dim) for a vector.
+/// Shape of a function's value: empty for a scalar, (dim) for a vector, (3, 3) for a tensor.
 using Shape = std::vector<std::size_t>;
 
-/// The space of functions that are constant on each cell, of vectors or of another shape. Collective.
+/// Creates the space of functions that are constant on each cell, with vector values or with values of the
+/// given shape. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape);
 
-/// Matrix of the embedding of functions of degree 1 (columns) into those of degree 2 (rows) on the same mesh:
-/// 1 at vertices, ½ from both ends at midpoints of edges. One component is stored for all (MAIJ). Collective.
+/// Matrix that embeds functions of degree 1 (columns) into those of degree 2 (rows) on the same mesh: its
+/// entries are 1 at vertices, and ½ from both ends of an edge at the edge's midpoint. One component is stored
+/// for all (MAIJ). Collective.
 petsc::Matrix embedding(const Space& linear, const Space& quadratic);
 
 } // namespace signorini::fem

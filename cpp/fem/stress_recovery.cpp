@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t components = 9;
 
-/// Part number of each cell that this rank owns.
+/// Number of the part of each cell that this rank owns.
 std::vector<double> part_numbers(const mesh::Mesh& mesh, const std::vector<Part>& parts) {
   std::vector<double> numbers(mesh.owned_cells().size());
   for (std::size_t part = 0; part < parts.size(); ++part)
@@ -31,7 +31,7 @@ std::vector<double> part_numbers(const mesh::Mesh& mesh, const std::vector<Part>
 StressRecovery::StressRecovery(const Space& space, const std::vector<Part>& parts)
     : space_(space), fields_(space, parts), rest_(space.vector()) {
   std::vector<double> part;
-  cells_ = mesh::gathered(space.mesh(), part_numbers(space.mesh(), parts), part);
+  cells_ = mesh::gather_cells(space.mesh(), part_numbers(space.mesh(), parts), part);
   const std::size_t corners = static_cast<std::size_t>(cells_.dim) + 1;
   std::map<std::pair<std::int64_t, double>, std::size_t> rows;
   for (std::size_t i = 0; i < cells_.cells.size(); ++i)
@@ -84,11 +84,11 @@ namespace {
 using Point = std::array<double, 3>;
 using Tensor = std::array<double, 9>;
 
-/// Cell in global numbers, the same on all ranks.
+/// Cell with its nodes in global numbers, which any rank can use.
 struct Cell {
   std::size_t part = 0;
   Tensor stress{};
-  std::array<std::int64_t, 4> nodes{}; ///< dim + 1 of them
+  std::array<std::int64_t, 4> nodes{}; ///< the first dim + 1 entries are used
   std::array<Point, 4> x{};
 };
 
@@ -100,7 +100,7 @@ double von_mises(const Tensor& stress) {
   return std::sqrt(1.5 * square);
 }
 
-/// The cells that this rank owns.
+/// Cells that this rank owns.
 class OwnedCells {
 public:
   OwnedCells(const Space& space, const std::vector<Part>& parts, std::span<const double> stress)
@@ -145,7 +145,7 @@ mesh::Simplex simplex(const Cell& cell, int dim) {
   return {dim, [&](int i) { return cell.x[static_cast<std::size_t>(i)].data(); }};
 }
 
-/// Angle of a cell at its node i, as a part of the full one.
+/// Angle of a cell at its node i, as a fraction of the full angle (2π, or 4π for solid angles).
 double angle(const Cell& cell, std::size_t i, std::size_t corners) {
   std::array<Point, 3> edge{};
   std::array<double, 3> length{};
@@ -172,8 +172,8 @@ double angle(const Cell& cell, std::size_t i, std::size_t corners) {
   return std::atan2(volume, below) / full;
 }
 
-/// Nodes on facets of one cell alone. If all cells of a node are given, this decides whether it is on the
-/// boundary.
+/// Nodes on facets that belong to only one of `cells`. For a node all of whose cells are given, this shows
+/// whether it is on the boundary.
 std::set<std::int64_t> on_outer_facets(const std::vector<Cell>& cells, std::size_t corners) {
   const auto dim = static_cast<std::ptrdiff_t>(corners) - 1;
   std::vector<std::int64_t> nodes;

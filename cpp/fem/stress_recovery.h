@@ -5,52 +5,54 @@
 
 namespace signorini::fem {
 
-/// Error estimate of a computed stress by the one recovered from it (Zienkiewicz, Zhu 1987): in each cell the
-/// energy ½ ∫ (σ* − σ) : (ε* − ε). At a node the linear σ* and ε* are the means, by volume, over the cells of
-/// one material. For displacements of degree 1.
+/// Error estimate for a computed stress σ by recovery (Zienkiewicz, Zhu 1987): the energy ½ ∫ (σ* − σ) : (ε*
+/// − ε) in each cell. The recovered fields σ* and ε* are linear; their values at a node are the means,
+/// weighted by volume, over the cells of one material at that node. For displacements of degree 1.
 class StressRecovery {
 public:
-  /// Sets the estimate up for the body's parts. Collective.
+  /// Sets up the estimate for the parts of the body. Collective.
   StressRecovery(const Space& space, const std::vector<Part>& parts);
 
-  /// Adds `weight` times the energies of a displacement (m) to the sums. Collective.
+  /// Computes the error energy of each cell for a displacement y (m) and adds `weight` times this energy to
+  /// sums(). Collective.
   void add(Vec y, double weight);
 
-  /// Weighted sums of the energies of all cells of mesh(), J (in the plane J/m) times the weights' unit, on
-  /// every rank.
+  /// Weighted sums of the error energies, one for each cell of mesh(), in J (in the plane J/m) times the unit
+  /// of the weights; the same on every rank.
   [[nodiscard]] const std::vector<double>& sums() const { return sums_; }
-  /// Mesh of all cells, rank after rank, without sizes; on every rank.
+  /// Cells of all ranks, rank after rank, without sizes; the same on every rank.
   [[nodiscard]] const mesh::SizeField& mesh() const { return cells_; }
 
 private:
-  /// Tensors of a field, 3 × 3 for each cell of mesh(), on every rank. Collective.
+  /// Tensors of a field, 3 × 3 for each cell of mesh(), the same on every rank. Collective.
   std::vector<double> tensors(CellField field);
 
   const Space& space_;
   CellFields fields_;
   petsc::Vector rest_;
   mesh::SizeField cells_;
-  std::vector<std::size_t> rows_; ///< row of each corner of each cell in the means at nodes
+  std::vector<std::size_t> rows_; ///< for each corner of each cell: row in the nodal means
   std::vector<double> volumes_, sums_;
 };
 
-/// Largest von Mises stress of the cells, and its recovery from the cells around.
+/// Largest von Mises stress of all cells, and the recovered stress at the same point.
 struct StressPeak {
-  Largest largest;      ///< Pa, at the middle of the cell
-  double recovered = 0; ///< Pa, at the same point, by the linear stress whose value at a node is the
-                        ///< mean, by volume, over the cells of one material
-  /// Node of the cell on the boundary, m. If the boundary has a corner there that points into the body, it is
-  /// the node with the largest angle, else the one with the largest stress around it.
+  Largest largest;      ///< largest von Mises stress, Pa, at the midpoint of its cell
+  double recovered = 0; ///< Pa, at the same point, from the recovered linear stress: at each node the mean
+                        ///< over the cells of one material, weighted by volume
+  /// A node of that cell on the boundary, m; absent if the cell has none. If the boundary has reentrant
+  /// corners at such nodes, it is the one with the largest angle, else the node with the largest mean stress
+  /// around it.
   std::optional<std::array<double, 3>> corner{};
-  double angle = 0; ///< angle of the body around `corner`, as a part of the full one; ½ if smooth
+  double angle = 0; ///< angle of the body around `corner`, as a fraction of the full angle; ½ if smooth
 };
 
-/// Part of the full angle around a node of the boundary above which the boundary has a corner that points
-/// into the body, by 30 degrees or more.
+/// Fraction of the full angle around a boundary node above which the node counts as a reentrant corner: half
+/// of the full angle plus 30 degrees.
 constexpr double reentrant = 0.5 + 1.0 / 12;
 
-/// Finds the largest stress of the motion last set in `fields`, which are those of the body's `parts`.
-/// Collective.
+/// Finds the largest von Mises stress for the state last set in `fields`, which must have been set up for the
+/// same `parts`. Collective.
 StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellFields& fields);
 
 } // namespace signorini::fem

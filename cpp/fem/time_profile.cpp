@@ -16,16 +16,17 @@ namespace {
 using Kronrod = boost::math::quadrature::gauss_kronrod<double, 15>;
 
 constexpr std::array<double, 3> origin{};
-/// Tolerances relative to the whole integral: difference of two rules on a panel, and changes that may pass
-/// unseen there.
+/// Tolerances relative to the integral over the run: for the difference of the two rules on a panel, and for
+/// changes between the samples of a panel.
 constexpr double quadrature_tolerance = 1e-10, unseen = 1e-9;
-/// Part of an enclosure that samples must span to explain it, since an enclosure overestimates.
+/// Least ratio of the samples' range to the enclosure's width: enclosures are wider than the range of the
+/// values.
 constexpr double explained = 0.25;
 constexpr std::size_t first_samples = 200, more_samples = 20, most_panels = 1 << 18;
-constexpr double shortest_panel = 0x1p-50; ///< relative to the run
-constexpr double tiny = 1e-300;            ///< below any load or motion, above denormal numbers
+constexpr double shortest_panel = 0x1p-50; ///< shortest length of a panel relative to the run
+constexpr double tiny = 1e-300;            ///< below any load or motion, but not denormal
 
-/// Calls take(place in 0 … 1, weight) for the points of a rule, whose weights add up to one.
+/// Calls take(position in 0 … 1, weight) for each point of a rule; the weights add up to one.
 template <class Rule, class Take>
 void for_each_point(Take&& take) {
   const auto& abscissa = Rule::abscissa();
@@ -37,8 +38,9 @@ void for_each_point(Take&& take) {
   }
 }
 
-/// Calls take(place in 0 … 1, weight) for a part of a panel, with fewer points for a smaller part. The error
-/// of n points is the 2n-th power of the part, times at most the difference allowed between two rules.
+/// Calls take(position in 0 … 1, weight) for points that integrate over a fraction `part` of a panel; a
+/// smaller fraction needs fewer points. The error of n points is at most part^(2n) times the difference of
+/// the two rules that a panel may have.
 template <class Take>
 void for_part_of_panel(double part, Take&& take) {
   using boost::math::quadrature::gauss;
@@ -385,8 +387,9 @@ std::vector<double> TimeProfile::times(double from, double to) const {
 
 void TimeProfile::require_resolved() const {
   if (unresolved() > noticeable)
-    throw UserError(fmt::format("{}: the expression changes too fast to be integrated (means may be off by "
-                                "{:.2g} of it); use a slower one or a time series",
+    throw UserError(fmt::format("{}: the expression changes too fast to be integrated (its mean over a step "
+                                "may have a relative error of {:.2g}). Use a slower expression or a time "
+                                "series",
                                 field_.key(), unresolved()));
 }
 

@@ -11,7 +11,8 @@
 namespace signorini::fem {
 namespace {
 
-/// Whether each cell counts: all, or those with a facet on one of the surfaces.
+/// Selects cells by local index: those with a facet on one of the surfaces, or all cells if there are no
+/// surfaces.
 std::vector<bool> cells_at(const mesh::Mesh& mesh, const std::vector<Surface>& surfaces) {
   const auto topology = mesh.dolfinx()->topology();
   const auto map = topology->index_map(mesh.dim());
@@ -23,7 +24,7 @@ std::vector<bool> cells_at(const mesh::Mesh& mesh, const std::vector<Surface>& s
   return wanted;
 }
 
-/// The least height of a cell, m.
+/// Least height of a cell, m.
 double least_height(const mesh::Mesh& mesh, std::int32_t cell) {
   const mesh::Simplex simplex(mesh.dim(), dolfinx_versions::vertices(mesh.dolfinx()->geometry(), cell));
   double steepest = 0;

@@ -7,19 +7,20 @@
 
 namespace signorini::fem {
 
-/// Speeds of pressure and shear waves in a material, m/s.
+/// Speeds of pressure waves and of shear waves in a material, m/s.
 std::array<double, 2> wave_speeds(const scene::Material& material);
 
-/// Time in which the fastest wave crosses the greatest extent of the undeformed body, s.
+/// Time in which the fastest pressure wave crosses the longest side of the undeformed body's bounding box, s.
 double crossing_time(const Space& space, const std::vector<scene::Material>& materials);
 
-/// A surface, and the scene's key that names it.
+/// Boundary group of facets, with the scene's key that names it.
 struct Surface {
   std::string group, key;
 };
 
-/// Least time in which a pressure wave crosses an element, by its least height over the degree, s. Takes the
-/// elements at `surfaces`, or all elements if there are none. Collective. Throws UserError.
+/// Shortest time in which a pressure wave crosses an element, s: its least height divided by the degree and
+/// by the wave speed. Considers the elements with a facet on `surfaces`, or all elements if `surfaces` is
+/// empty. Collective. Throws UserError.
 double least_wave_time(const Space& space, const std::vector<scene::Material>& materials,
                        const std::vector<Surface>& surfaces);
 

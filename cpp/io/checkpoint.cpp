@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* points_name = "points";
 
-/// The points of a control's values (places × 3), m, coincident nodes made distinct.
+/// Points of a control's values (places × 3), m, on this rank; coincident nodes are moved apart as by
+/// distinct_points(). Collective.
 std::vector<double> places_of(const control::ControlSpace& controls) {
   if (controls.cellwise())
     return controls.points();
@@ -26,7 +27,8 @@ std::vector<double> places_of(const control::ControlSpace& controls) {
   return points;
 }
 
-/// A table (rows × columns) of a type, with a checksum for every chunk.
+/// Creates a dataset (rows × columns) of an HDF5 type, with a checksum for every chunk; `bytes`: size of a
+/// value.
 Hdf5Handle make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
                       std::size_t bytes) {
   constexpr std::size_t chunk_bytes = 1 << 20;
@@ -147,7 +149,7 @@ std::string CheckpointWriter::commit() {
 
 namespace {
 
-/// Reads an entry of a file; empty if there is no such file or entry. Collective.
+/// Reads an entry of a file; empty if the file or the entry is missing or damaged. Collective.
 template <class Sequence>
 Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
   Sequence values;
@@ -240,7 +242,8 @@ void CheckpointReader::match_places() {
   MPI_Allreduce(MPI_IN_PLACE, &places, 1, MPI_LONG, MPI_SUM, space.comm());
   if (padded.size() != 3 * static_cast<std::size_t>(places))
     fail(fmt::format(
-        "found a control at {} places, but this scene's has {}; use the mesh of the run that wrote it",
+        "found a control at {} points, but this scene's control has {}; use the mesh of the run that wrote "
+        "the checkpoint",
         padded.size() / 3, places));
   columns_ = padded.size() / 3 * controls_->components().size();
   std::vector<double> points;

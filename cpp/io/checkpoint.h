@@ -10,14 +10,15 @@
 
 namespace signorini::io {
 
-/// Writes numbers, texts and controls by name into an HDF5 file that commit() puts in place as a whole, on
-/// any number of ranks; every chunk has a checksum. All members collective; rank 0 writes, and a failure
-/// there is reported by commit() alone.
+/// Writes numbers, texts and controls by name into an HDF5 file, which commit() puts in place as a whole.
+/// Every chunk of the file has a checksum. The file does not depend on the number of ranks. All members are
+/// collective. Rank 0 writes; only commit() reports a failure to write.
 class CheckpointWriter {
 public:
-  /// Opens `part` for a search without controls; commit() renames it to `file`, on the same disk.
+  /// Creates the temporary file `part` for a search without controls. commit() renames it to `file`, which
+  /// must be on the same disk.
   CheckpointWriter(MPI_Comm comm, const std::filesystem::path& part, const std::filesystem::path& file);
-  /// Opens `part` for a search with `controls`.
+  /// Creates the temporary file `part` for a search with `controls`, whose points it stores.
   CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
                    const std::filesystem::path& file);
   ~CheckpointWriter();
@@ -30,7 +31,8 @@ public:
   void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
   void operator()(const std::string& name, const control::CompactControl& u);
 
-  /// Puts the file in place. Returns the reason of a failure, empty without one.
+  /// Flushes the file to the disk and renames it to its final name. Returns the reason of the first failure
+  /// to write, on all ranks; empty if there was none. Collective.
   [[nodiscard]] std::string commit();
 
 private:
@@ -40,25 +42,26 @@ private:
 
   MPI_Comm comm_;
   std::filesystem::path part_, file_;
-  std::vector<int> counts_, starts_; ///< number and start of each rank's values in a row
-  Hdf5Handle out_;                   ///< on rank 0
-  std::string failure_;              ///< on rank 0
+  std::vector<int> counts_, starts_; ///< number of each rank's values in a row, and index of its first value
+  Hdf5Handle out_;                   ///< the temporary file; on rank 0
+  std::string failure_;              ///< reason of the first failure, empty without one; on rank 0
 };
 
-/// Text of a checkpoint; empty if there is no such file or text. Collective.
+/// Reads the text `name` from a checkpoint; empty if the file or the entry is missing or damaged. Collective.
 [[nodiscard]] std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file,
                                           const std::string& name);
 
-/// Numbers of a checkpoint; empty if there is no such file or entry. Collective.
+/// Reads the numbers `name` from a checkpoint; empty if the file or the entry is missing or damaged.
+/// Collective.
 [[nodiscard]] std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::path& file,
                                                      const std::string& name);
 
-/// Reads files of CheckpointWriter, on any number of ranks. All members collective; all throw UserError where
-/// the file is missing or damaged.
+/// Reads a checkpoint that CheckpointWriter wrote, on any number of ranks. All members are collective. Those
+/// that read entries throw UserError if the file or an entry is missing or damaged.
 class CheckpointReader {
 public:
-  /// Opens a checkpoint. `reason`: option or key that requires the file, for messages. The file's controls
-  /// are only read with `controls`, which must outlive this object.
+  /// Opens a checkpoint. `reason`: option or key that requires the file, for messages. Reading controls needs
+  /// the constructor with `controls`, which must outlive this object. Throws UserError.
   CheckpointReader(MPI_Comm comm, const std::filesystem::path& file, std::string reason = "--resume");
   CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
                    std::string reason = "--resume");
@@ -71,24 +74,26 @@ public:
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
   void operator()(const std::string& name, control::CompactControl& u);
 
-  /// Whether the file has an entry of that name.
+  /// Whether the file has an entry `name`.
   [[nodiscard]] bool has(const std::string& name) const;
 
-  /// Reads a control of other intervals: interval j gets the values of the row `row(j, rows)` of `rows`.
+  /// Reads a control whose time intervals may differ from the file's. Interval j, counted from 1, gets the
+  /// values of the file's row `row(j, rows)`, counted from 0; `rows` is the number of rows in the file. Needs
+  /// a preceding match_places().
   [[nodiscard]] control::Control control(const std::string& name,
                                          const std::function<int(int j, int rows)>& row);
 
-  /// Matches the places of the controls with those of the file by coordinates; to be called before the first
-  /// control is read. Throws UserError if they differ.
+  /// Matches the places (nodes or cells) of the controls with those of the file by coordinates. Must be
+  /// called before the first control is read. Throws UserError if the places differ.
   void match_places();
-  /// Matches the places like match_places(); returns false if they differ or are damaged.
+  /// Matches the places like match_places(), but returns false if they differ or are damaged in the file.
   [[nodiscard]] bool matches_places();
 
-  /// Throws UserError with the file's name and `problem`.
+  /// Throws UserError with the reason for reading, the file's name and `problem`.
   [[noreturn]] void fail(const std::string& problem) const;
 
 private:
-  /// Reads a control with as many rows as the controls have.
+  /// Reads a control; throws UserError unless the file has one row for each interval of the controls.
   control::Control control(const std::string& name);
   [[noreturn]] void damaged(const std::string& name) const;
   template <class Sequence>
@@ -98,9 +103,9 @@ private:
   const control::ControlSpace* controls_ = nullptr;
   std::filesystem::path file_;
   std::string reason_;
-  Hdf5Handle in_;                 ///< on rank 0
-  std::size_t columns_ = 0;       ///< values in a row, of all ranks
-  std::vector<std::size_t> rows_; ///< rows of the owned places in the file
+  Hdf5Handle in_;                 ///< the open file; on rank 0
+  std::size_t columns_ = 0;       ///< number of values in a row, summed over the ranks
+  std::vector<std::size_t> rows_; ///< number in the file of each place that this rank owns
 };
 
 } // namespace signorini::io

@@ -15,66 +15,71 @@
 /// The CSV files of a run, as text.
 namespace signorini::io {
 
-/// Header of steps.csv: one row per time step, row 0 the initial state; the column of the tracking error only
-/// with `tracking`, in a run with an objective.
+/// Header of steps.csv, which has one row per time step after row 0 for the initial state. `tracking`:
+/// whether there is a column of the tracking error, as in a run with an objective.
 std::string steps_header(int dim, bool tracking);
 
-/// Appends row k; `normal_force` is the sum of the moduli of the nodal contact forces (N, in 2D N/m),
-/// `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
+/// Appends row k of steps.csv. `time`: s; `normal_force`: sum of the moduli of the nodal contact forces, N
+/// (in 2D N/m); `tracking_error`: ‖y_k − y_d,k‖ in L2, m² (in 3D m^5/2), absent without that column.
 void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
                    const diagnostics::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error);
 
-/// history.csv: a row of numbers for each iterate of a search.
+/// Table of history.csv: a row of numbers for each iterate of a search.
 struct History {
-  using Row = std::vector<std::pair<std::string, double>>; ///< column, value
-  std::vector<std::string> columns;
-  std::vector<double> numbers; ///< (rows × columns)
+  using Row = std::vector<std::pair<std::string, double>>; ///< pairs of a column's name and its value
+  std::vector<std::string> columns;                        ///< names of the columns
+  std::vector<double> numbers;                             ///< values (rows × columns)
 
-  /// Appends a row; the first one defines the columns.
+  /// Appends a row; the first row defines the columns.
   void add(const Row& row);
   [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
   [[nodiscard]] double at(std::size_t row, const std::string& column) const;
   [[nodiscard]] double last(const std::string& column) const { return at(rows() - 1, column); }
-  /// Text of the whole file, and of one row.
+  /// Text of the whole file: the header and all rows.
   [[nodiscard]] std::string table() const;
+  /// Text of one row, which ends with a line feed.
   [[nodiscard]] std::string text(std::size_t row) const;
-  /// Names of columns from a header.
+  /// Splits a header at its commas into the names of the columns.
   [[nodiscard]] static std::vector<std::string> split(const std::string& header);
 };
 
-/// Header of obstacles.csv: one row per step and obstacle, step 0 the initial state.
+/// Header of obstacles.csv, which has one row per step and obstacle; step 0 is the initial state.
 std::string obstacles_header(int dim);
 
-/// Appends the rows of step k. `contacts`: the scene's, with the obstacles' names.
+/// Appends the rows of step k to obstacles.csv, one per obstacle. `time`: s; `contacts`: the scene's tables
+/// [contact], with the obstacles' names.
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
                        const std::vector<scene::Contact>& contacts,
                        const diagnostics::ObstacleForces& forces);
 
-/// Header of probes.csv: one row per step, row 0 the initial state.
+/// Header of probes.csv, which has one row per step after row 0 for the initial state. `columns`: names after
+/// step and time.
 std::string probes_header(const std::vector<std::string>& columns);
 
-/// Appends row k.
+/// Appends row k of probes.csv. `time`: s; `values`: one for each column after step and time.
 void add_probes_row(std::string& text, int k, double time, std::span<const double> values);
 
-/// Text of contact.csv: one row per stored step and candidate. Its columns are the point in the undeformed
-/// body, gap, force, obstacle, the obstacle's normal there (out of it, the direction of the force on the
-/// body), area, pressure and status. Numbers have as many digits as distinguish them from all others.
+/// Text of contact.csv, which has one row per stored step and candidate. The columns after step and time are
+/// the candidate's point in the undeformed body, gap, force, obstacle, the obstacle's outward normal at the
+/// point (the direction of the force on the body), area, pressure and status. Numbers have as many digits as
+/// distinguish them from all other doubles.
 class ContactTable {
 public:
-  /// `pressure` must outlive this object; `contacts`: the scene's, with the obstacles' names.
+  /// Prepares the constant part of each candidate's row. `contacts`: the scene's tables [contact], with the
+  /// obstacles' names. `pressure` must outlive this object.
   ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
                const std::vector<scene::Contact>& contacts);
 
   [[nodiscard]] std::string header() const;
 
-  /// Appends the rows of a step.
+  /// Appends the rows of a step, one per candidate.
   void add_rows(std::string& text, const step::TimeStep& step, const contact::ContactState& contact) const;
 
 private:
-  /// Constant text of a candidate's row, before and behind gap and force.
+  /// Constant text of a candidate's row.
   struct Fixed {
-    std::string point, surface;
+    std::string point, surface; ///< text before gap and force, text after them
   };
   int dim_;
   const contact::Pressure& pressure_;

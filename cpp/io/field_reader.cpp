@@ -13,7 +13,7 @@ using petsc::check;
 
 namespace {
 
-/// Reads a whole dataset, row by row; empty if it cannot be read.
+/// Reads all values of a dataset, row by row; empty if the dataset cannot be read.
 template <class T>
 std::vector<T> values(hid_t dataset) {
   std::vector<T> all;
@@ -22,7 +22,7 @@ std::vector<T> values(hid_t dataset) {
   return all;
 }
 
-/// Names of a group's members, ascending; fewer if one cannot be read.
+/// Names of a group's members, ascending. Stops at the first name that cannot be read.
 std::vector<std::string> names_of(hid_t group) {
   H5G_info_t info{};
   std::vector<std::string> names;
@@ -40,7 +40,8 @@ bool finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
-/// Times of a group's members, ascending, and their names; empty if they are not in a run's format.
+/// Times (s, ascending) and names of the datasets of a field; empty if the file is not in the format of a
+/// run.
 std::vector<std::pair<double, std::string>> times_of(hid_t file, hid_t group) {
   const std::vector<std::string> names = names_of(group);
   const Hdf5Handle list(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
@@ -96,7 +97,7 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
     fail(damaged);
   const Hdf5Handle group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)
-    fail(fmt::format("found no field \"{}\"; use a run whose output.fields has it", field_));
+    fail(fmt::format("found no field \"{}\"; use a run whose output.fields contains this field", field_));
   for (const auto& [time, name] : times_of(file, group)) {
     times_.push_back(time);
     names_.push_back(name);

@@ -7,28 +7,30 @@
 
 namespace signorini::io {
 
-/// Field that an earlier run stored over time (FieldWriter), on the same mesh and any number of ranks.
+/// Field that an earlier run stored over time with FieldWriter. The run must have used the same mesh; its
+/// number of ranks may differ.
 class StoredField {
 public:
   /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:
-  /// the scene's key that names the run; `at_start`: whether runs store the field at t = 0. Collective.
-  /// `space` must outlive this object. Throws UserError if the file is missing or damaged, has no such field,
-  /// or has it on another mesh or not from 0 to `end` (s).
+  /// the scene's key that names the run, for messages. `end`: end of the motion, s. `at_start`: whether the
+  /// field must be stored at t = 0 too. Throws UserError if the file is missing or damaged, or if the field
+  /// is missing, is on another mesh, or does not cover the motion. `space` must outlive this object.
+  /// Collective.
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
               const std::string& key, double end, bool at_start = true);
 
   /// Times at which the field is stored, s, ascending.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
 
-  /// Evaluates the field at time t (s), linear between two stored times, which are cached: cheap for
-  /// monotonic t. Before the first time it is the field there. Collective. Throws UserError if its values are
-  /// damaged.
+  /// Evaluates the field at time t (s) into `out`, by linear interpolation between two stored times. Outside
+  /// of the stored times it returns the field at the nearest one. The last two fields read are cached, so
+  /// that monotonic t is cheap. Throws UserError if stored values are damaged. Collective.
   void at(double t, Vec out);
 
 private:
-  /// A stored field in memory.
+  /// The field at one stored time, in memory.
   struct Stored {
-    std::size_t number;
+    std::size_t number; ///< index of the time in times_
     petsc::Vector values;
   };
   [[noreturn]] void fail(const std::string& problem) const;
@@ -38,11 +40,11 @@ private:
   const fem::Space& space_;
   std::filesystem::path file_;
   std::string field_, key_;
-  std::vector<double> times_;      ///< s, ascending
-  std::vector<std::string> names_; ///< datasets; on rank 0
-  std::size_t nodes_;              ///< on all ranks
-  std::vector<std::size_t> rows_;  ///< rows of the owned nodes in the file
-  std::vector<Stored> kept_;       ///< the two around the time last evaluated
+  std::vector<double> times_;      ///< stored times, s, ascending
+  std::vector<std::string> names_; ///< name of the dataset of each time; on rank 0
+  std::size_t nodes_;              ///< number of nodes, summed over the ranks
+  std::vector<std::size_t> rows_;  ///< row in the file of each node that this rank owns
+  std::vector<Stored> kept_;       ///< cache: at most two fields, those around the time last evaluated
 };
 
 } // namespace signorini::io

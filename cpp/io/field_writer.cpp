@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t padded = 3; // readers of XDMF expect vectors in space
 
-/// Calls `visit(node, geometry)` for the vertices of cells: their local nodes in V and in the mesh's
-/// geometry.
+/// Calls `visit(node, geometry)` for each vertex of a cell, with the vertex's local number as a node of V and
+/// as a node of the mesh's geometry.
 template <class Visit>
 void for_vertices(const fem::Space& space, std::int32_t cell, Visit&& visit) {
   const auto mesh = space.mesh().dolfinx();
@@ -40,7 +40,7 @@ std::int32_t local_cells(const fem::Space& space) {
   return map->size_local() + map->num_ghosts();
 }
 
-/// The owned nodes of V that are vertices, ascending.
+/// Local numbers of the nodes of V that this rank owns and that are vertices of the mesh, ascending.
 std::vector<std::size_t> vertices(const fem::Space& space) {
   std::vector<bool> vertex(static_cast<std::size_t>(space.owned_nodes()));
   for (std::int32_t cell = 0; cell < local_cells(space); ++cell)
@@ -55,7 +55,7 @@ std::vector<std::size_t> vertices(const fem::Space& space) {
   return found;
 }
 
-/// The places of the owned cells' values in a function that is constant on each cell.
+/// Index of the value of each cell that this rank owns in a function that is constant on each cell.
 std::vector<std::size_t> places(const fem::Space& space) {
   const auto constants = fem::cellwise(space.mesh(), {});
   std::vector<std::size_t> found;
@@ -64,7 +64,7 @@ std::vector<std::size_t> places(const fem::Space& space) {
   return found;
 }
 
-/// The shape of a stored value: vectors have 3 components in the plane too, tensors 3 × 3.
+/// Shape of a value in the file. In the plane too, vectors have 3 components and tensors 3 × 3.
 std::vector<std::size_t> stored_shape(Values values) {
   switch (values) {
   case Values::nodal:
@@ -77,7 +77,7 @@ std::vector<std::size_t> stored_shape(Values values) {
   }
 }
 
-/// Number of entries of a stored value.
+/// Number of entries of a value in the file.
 std::size_t stored_components(Values values) {
   const std::vector<std::size_t> shape = stored_shape(values);
   return std::accumulate(shape.begin(), shape.end(), std::size_t(1), std::multiplies<>());
@@ -163,7 +163,7 @@ const char* attribute_type(Values values) {
   return components == 1 ? "Scalar" : components == padded ? "Vector" : "Tensor";
 }
 
-/// The name of the dataset of the `number`-th stored time; names sort as times do.
+/// Name of the dataset of output time `number`; sorting the names sorts the times.
 std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
 
 // One collection with a grid for each time, which has the mesh and all fields. meshio and the readers of VTK

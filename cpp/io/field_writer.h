@@ -11,43 +11,46 @@
 
 namespace signorini::io {
 
-/// Kinds of stored fields: vectors at the nodes or in the cells, and values of other shapes.
+/// Kinds of stored fields: nodal or one value for each cell, vector (no suffix), scalar or tensor.
 enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
 
-/// Whether a field has a value for each cell, else for each node.
+/// Whether a field has a value for each cell; else it has one for each node.
 [[nodiscard]] bool in_cells(Values values);
 
-/// Mesh in the format of field files, nodes and cells in the order of the ranks, and the values of fields in
-/// that order, on rank 0. Its nodes are the mesh's own: the vertices for degree 2 too.
+/// Gathers the mesh and the values of fields on rank 0, as field files store them. Nodes and cells are
+/// ordered by the rank that owns them. The nodes are the vertices of the mesh, also for elements of degree 2.
 class FieldLayout {
 public:
-  /// Collective. `space` must outlive this object.
+  /// Numbers the vertices and cells of a mesh. Collective. `space` must outlive this object.
   explicit FieldLayout(const fem::Space& space);
 
-  /// Numbers of nodes, cells and rows on all ranks together.
+  /// Number of vertices of the mesh, summed over the ranks.
   [[nodiscard]] std::size_t nodes() const { return nodes_.total(); }
+  /// Number of cells of the mesh, summed over the ranks.
   [[nodiscard]] std::size_t cells() const { return cells_.total(); }
+  /// Number of values of a field, cells() or nodes().
   [[nodiscard]] std::size_t rows(Values values) const { return in_cells(values) ? cells() : nodes(); }
 
-  /// Coordinates (nodes × dim), m, and the nodes of each cell (cells × (dim + 1)); empty on all ranks but 0.
-  /// Collective.
+  /// Gathers the coordinates of the vertices (nodes × dim), m, on rank 0; empty on other ranks. Collective.
   [[nodiscard]] std::vector<double> points() const;
+  /// Gathers the vertices of each cell (cells × (dim + 1)) on rank 0; empty on other ranks. Collective.
   [[nodiscard]] std::vector<std::int64_t> topology() const;
 
-  /// Gathers the values that each rank owns, at the nodes of V or in the cells, as rows in the shape of
-  /// stored values. Valid on rank 0 until the next call. Collective.
+  /// Gathers the values `owned` by each rank, at the nodes of V or in the cells, on rank 0. The result has a
+  /// row for each vertex or cell; vectors are padded to 3 components. Valid on rank 0 until the next call.
+  /// Collective.
   [[nodiscard]] std::span<const double> gather(Values values, std::span<const double> owned);
 
 private:
-  /// Nodes or cells: `own` are the places of this rank's rows among the values that it owns.
+  /// Distribution of the rows of a table, one row for each vertex or cell, over the ranks.
   struct Rows {
-    std::vector<std::size_t> own;
-    std::vector<int> counts, starts; ///< number and start of each rank's rows
+    std::vector<std::size_t> own;    ///< index of each row of this rank among the values that it owns
+    std::vector<int> counts, starts; ///< number of rows of each rank, and number of its first row
     [[nodiscard]] std::size_t total() const {
       return static_cast<std::size_t>(starts.back()) + static_cast<std::size_t>(counts.back());
     }
   };
-  /// Counts the rows of all ranks. Collective.
+  /// Determines the distribution of rows from the indices `own` on each rank. Collective.
   [[nodiscard]] Rows rows_of(std::vector<std::size_t> own) const;
   /// Gathers rows of `columns` entries each on rank 0. Collective.
   template <class T>
@@ -58,62 +61,62 @@ private:
   std::vector<double> mine_, all_; ///< buffers
 };
 
-/// A field over time in a field file.
+/// A field that is stored at several times in a field file.
 struct FieldSeries {
   std::string name;
-  Values values;
+  Values values; ///< kind of the field
 };
 
-/// Fields over time in an HDF5 file and the XDMF file beside it, written one by one during a run. They have
-/// values at the mesh's own nodes (degree 2: at the vertices) or one value for each cell. The HDF5 file has
-/// the times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
-/// leading zeros so that names sort. The XDMF file is written at the end, so that a time costs the same
-/// however many came before.
+/// Writes fields at the output times of a run into an HDF5 file and an XDMF file. Fields have values at the
+/// vertices of the mesh, also for elements of degree 2, or one value for each cell. The HDF5 file has the
+/// times in `/times` and the fields in `/Function/<field>/<number>`. The numbers ascend with time and have
+/// leading zeros, so that names sort. close() writes the XDMF file, so that the cost of an output time does
+/// not grow with the number of earlier ones.
 class FieldWriter {
 public:
-  /// Opens the HDF5 file of `name` (.xdmf) for fields at `times` times at most. Collective. The references
-  /// must outlive this object. Throws OutputFailure if the file cannot be written, or the disk has no room
-  /// for all.
+  /// Creates the HDF5 file beside the XDMF file `name` for `fields` at up to `times` output times. Throws
+  /// OutputFailure if the file cannot be written or the disk lacks space for all times. Collective. The
+  /// references must outlive this object.
   FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
               std::vector<FieldSeries> fields, std::size_t times);
 
-  /// Writes a field at `time` (s), the output time `number`, counted from 0; calls may come in any order.
-  /// `owned`: its values that this rank owns, at the nodes of V or in the cells. Collective. Throws
-  /// OutputFailure.
+  /// Writes the values of a field at `time` (s). `number`: number of this output time, from 0, in any order
+  /// of calls. `owned`: the values that this rank owns, at the nodes of V or in the cells. Throws
+  /// OutputFailure. Collective.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 
-  /// Moves the times from the `number`-th on one place back; all fields must then be written at the free
-  /// place. Collective. Throws UserError.
+  /// Increases the numbers of all output times from `number` on by one. Afterwards all fields must be
+  /// written at the free `number`. Throws OutputFailure. Collective.
   void make_room(std::size_t number);
 
-  /// Writes the XDMF file; all fields must have been written at the same times, without a gap. Collective.
-  /// Throws OutputFailure.
+  /// Closes the HDF5 file and writes the XDMF file. All fields must have been written at every output time.
+  /// Throws OutputFailure. Collective.
   void close();
 
 private:
-  /// Datasets of a field.
+  /// Datasets of one field in the HDF5 file.
   struct Datasets {
     Hdf5Handle group;
-    std::size_t written = 0; ///< number of times
+    std::size_t written = 0; ///< number of output times written
   };
-  /// Runs `work` on rank 0; throws OutputFailure on all ranks if it returns false. Collective.
+  /// Runs `work` on rank 0; throws OutputFailure on all ranks if `work` returns false. Collective.
   template <class Work>
   void guarded(Work&& work);
   bool open(std::span<const double> points, std::span<const std::int64_t> topology);
-  /// The XDMF text of the grid of the `number`-th time: the mesh and all fields.
+  /// XDMF text of the grid at output time `number`: the mesh and all fields.
   [[nodiscard]] std::string grid(std::size_t number) const;
-  /// Throws OutputFailure if the disk has no room for so many times. Collective.
+  /// Throws OutputFailure if the disk lacks space for all fields at `times` output times. Collective.
   void require_room(std::size_t times) const;
 
   const fem::Space& space_;
   const OutputFolder& folder_;
-  std::string name_, data_; ///< names of the two files
+  std::string name_, data_; ///< names of the XDMF file and of the HDF5 file
   FieldLayout layout_;
   Hdf5Handle file_, layout_list_; ///< on rank 0
   std::vector<FieldSeries> fields_;
   std::vector<Datasets> datasets_; ///< datasets of each field
-  std::vector<double> times_;      ///< s
+  std::vector<double> times_;      ///< output times, s
 };
 
 } // namespace signorini::io

@@ -11,7 +11,8 @@
 namespace signorini::io {
 namespace {
 
-/// Throws UserError unless all times are within the motion, up to rounding.
+/// Throws UserError unless all times of the data are from 0 to `end` (s), up to rounding. `hint`: end of the
+/// message.
 void require_within(const control::Data& data, double end, const std::string& hint) {
   const double hair = 1e-9 * end;
   for (const double t : {data.times.front(), data.times.back()})
@@ -20,7 +21,7 @@ void require_within(const control::Data& data, double end, const std::string& hi
                                   t, end, hint));
 }
 
-/// The units that a measured quantity may have.
+/// Units that a measured quantity may have.
 std::vector<std::string> units(scene::Quantity of) {
   switch (of) {
   case scene::Quantity::displacement:
@@ -48,7 +49,7 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
     for (const double value : data.values)
       deviation = std::max(deviation, *measurement.noise * std::abs(value));
     if (deviation == 0)
-      throw UserError("all values are 0, to which no noise can be relative; give a deviation");
+      throw UserError("all values are 0, so noise relative to them is undefined; give a deviation");
   }
   constexpr const char* column = "deviation";
   if (deviation > 0) {
@@ -59,7 +60,8 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
     const scene::TableColumn deviations = scene::read_column(text, column, units(measurement.of));
     if (deviations.name == column && given.factor != 1)
       throw UserError(fmt::format(
-          "found \"{0}\" without a unit beside \"{1}\"; name it \"{0}{2}\" or with the unit that it has",
+          "found \"{0}\" without a unit, but \"{1}\" with one; name the former \"{0}{2}\", or add its actual "
+          "unit",
           column, given.name, given.name.substr(measurement.column.size())));
     data.deviations = deviations.values;
     if (std::ranges::any_of(data.deviations, [](double x) { return !(x > 0); }))
@@ -83,7 +85,8 @@ std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
       try {
         text = scene::read_file(*measurement.file);
       } catch (const UserError& error) {
-        throw UserError(fmt::format("{}: {}; signorini simulate --measure writes one", key, error.what()));
+        throw UserError(
+            fmt::format("{}: {}; signorini simulate --measure writes such a file", key, error.what()));
       }
     });
     text = broadcast(comm, text);

@@ -10,54 +10,56 @@
 
 namespace signorini::io {
 
-/// Reads the data of a scene's measurements from their files; empty for those that are not fitted.
-/// Collective; rank 0 reads. Throws UserError naming key, file and line if a file cannot be read, has times
-/// outside of the motion, or has no deviation where the scene gives none.
+/// Reads the data of each measurement of a scene from its file; empty for measurements that are not fitted.
+/// Throws UserError, naming key and file, if a file cannot be read, has times outside of the motion, or has
+/// no deviations although the scene gives none. Rank 0 reads. Collective.
 std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene);
 
-/// Text of a file of measurements: a column of times, and a column of values for each name.
+/// Text of a CSV file of measurements: a column of times (s), then a column of values for each name.
 std::string data_table(const std::vector<double>& times, const std::vector<std::string>& names,
                        const std::vector<std::vector<double>>& columns);
 
 /// Result of a fit for one unknown.
 struct FittedUnknown {
-  std::string name{}, of{}, unit{}, scale{};
-  double value = 0, deviation = 0; ///< standard deviation; ∞ if the data do not determine the value
-  double start = 0, lower = 0, upper = 0;
-  bool at_bound = false;
-  double gradient = 0; ///< dJ/dθ
+  std::string name{}, of{}, unit{}, scale{}; ///< the scene's names, as in parameters.csv
+  double value = 0, deviation = 0; ///< fitted value, standard deviation (∞ if the data do not determine it)
+  double start = 0, lower = 0, upper = 0; ///< start value and bounds
+  bool at_bound = false;                  ///< whether the fitted value is at a bound
+  double gradient = 0;                    ///< dJ/dθ
 };
 
-/// A measurement, and its simulated values in the fitted scene.
+/// A measurement compared with its simulation in the fitted scene.
 struct Comparison {
   std::string name;
-  std::vector<double> times, data, deviations, simulated;
+  std::vector<double> times, data, deviations, simulated; ///< times in s; others in the measurement's unit
 };
 
-/// A measured value of the contact as a whole, compared with the simulated one but not fitted.
+/// A measured quantity of the whole contact, such as its duration, compared with the simulation but not
+/// fitted.
 struct ComparedFigure {
   std::string name, unit;
-  double value, deviation, simulated; ///< deviation 0: not given, simulated nan: no contact
+  double value, deviation, simulated; ///< deviation 0: not given; simulated nan: no contact
 };
 
 /// The outcome of a fit.
 struct Fit {
   std::vector<FittedUnknown> unknowns;
-  std::vector<double> correlations; ///< (unknowns × unknowns)
+  std::vector<double> correlations; ///< correlations of the unknowns (unknowns × unknowns)
   std::vector<double> singular_values;
-  std::vector<std::string> unidentified; ///< sentences on numbers that the data do not determine
+  std::vector<std::string> unidentified; ///< sentences on unknowns that the data do not determine
   std::vector<Comparison> measurements;
   std::vector<ComparedFigure> compared;
-  double value = 0;  ///< J
-  double misfit = 0; ///< root mean square of the residuals of the data, in standard deviations
-  long data = 0;     ///< number of values
+  double value = 0;  ///< objective J
+  double misfit = 0; ///< root mean square of the residuals, each divided by its datum's standard deviation
+  long data = 0;     ///< number of measured values
   /// Newton decrement √(gᵀH⁻¹g) at the end of the fit, in standard deviations of the parameters; absent if a
   /// control is sought too.
   std::optional<double> decrement{};
 };
 
-/// Texts of parameters.csv and measurements.csv.
+/// Text of parameters.csv: one row for each unknown.
 std::string parameters_table(const Fit& fit);
+/// Text of measurements.csv: one row for each measured value.
 std::string measurements_table(const Fit& fit);
 
 } // namespace signorini::io

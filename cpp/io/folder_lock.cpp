@@ -19,13 +19,13 @@ namespace {
 
 constexpr const char* file_name = ".signorini-lock";
 
-/// The JSON in a file; a discarded value if it is not valid.
+/// Reads a JSON file; returns a discarded value if the JSON is not valid.
 Json read(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return Json::parse(in, nullptr, false);
 }
 
-/// The strings in the array `key` of an object; none without it.
+/// Strings in the array `key` of an object; none if the object has no such array.
 std::set<std::string> texts(const Json& object, const char* key) {
   std::set<std::string> found;
   if (object.is_object() && object.contains(key) && object[key].is_array())
@@ -103,7 +103,8 @@ void FolderLock::claim(const std::string& manifest, const Names& names, const Na
   for (const std::string& name : names)
     if (present(folder_ / name) && !early_.contains(name) && !listed(name))
       throw UserError(
-          fmt::format("--out: {} was not written by a run in that folder; move it, or choose another folder",
+          fmt::format("--out: {} was not written by a run in that folder; move the file, or choose another "
+                      "folder",
                       (folder_ / name).string()));
   early_.insert(early.begin(), early.end());
   char host[256] = "";

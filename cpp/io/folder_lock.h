@@ -7,22 +7,24 @@
 
 namespace signorini::io {
 
-/// Exclusive right of a process to write into a folder and to replace the files of earlier runs there. A lock
-/// file in the folder names the process; the kernel releases the lock when the process ends, even if it is
-/// killed. Not collective: used on rank 0.
+/// Lock on a folder, so that only one process writes into the folder and replaces the files of earlier runs.
+/// A lock file in the folder names the process. The kernel releases the lock when the process ends, even if
+/// it is killed. Not collective: used on rank 0.
 class FolderLock {
 public:
   using Names = std::vector<std::string>;
 
-  /// Creates and locks the folder. Throws UserError if that fails or another process has the lock.
+  /// Creates and locks the folder. Throws OutputFailure if the folder cannot be written, UserError if another
+  /// process has the lock.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Throws UserError if the lock file cannot be written, or if one of `names` is in the folder and no run
-  /// wrote it. A run wrote the files in the list "files" of its `manifest`, all names if there is no list,
-  /// and a killed run its `early` ones. `early`: the files that this run puts there before its manifest.
+  /// Throws UserError if one of `names` is in the folder and was not written by a run. Files count as written
+  /// by a run if the list "files" of its `manifest` has them (all files if the manifest has no list), or if
+  /// they are `early` files of a killed run. `early`: files that this run writes before its manifest; the
+  /// lock file records them. Throws OutputFailure if the lock file cannot be written.
   void claim(const std::string& manifest, const Names& names, const Names& early);
 
   /// The folder.
@@ -33,14 +35,14 @@ private:
   FolderLock(const std::filesystem::path& folder, Unlocked) : folder_(std::filesystem::absolute(folder)) {}
   void make(const std::filesystem::path& given);
   void lock(const std::filesystem::path& given);
-  /// Whether a run wrote the file, according to the manifest.
+  /// Whether the manifest in the folder lists the file, or has no list.
   [[nodiscard]] bool listed(const std::string& name) const;
 
   std::filesystem::path folder_;
-  std::vector<std::filesystem::path> made_; ///< folders that did not exist before, innermost first
-  int file_ = -1;
-  std::string manifest_;
-  std::set<std::string> early_; ///< early files of this run and of killed ones
+  std::vector<std::filesystem::path> made_; ///< folders that the constructor created, innermost first
+  int file_ = -1;                           ///< descriptor of the lock file; −1: none
+  std::string manifest_;                    ///< file name of the manifest
+  std::set<std::string> early_;             ///< early files of this run and of killed ones
 };
 
 } // namespace signorini::io

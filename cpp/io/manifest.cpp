@@ -76,7 +76,7 @@ ordered_json vector(const std::array<double, 3>& x, int dim) {
   return std::vector<double>(x.begin(), x.begin() + dim);
 }
 
-/// A touch as JSON; times and peaks are null if there was no contact.
+/// Writes a touch as JSON; start, end and time of the peak are null if there was no contact.
 ordered_json touch(const diagnostics::Touch& one, int dim) {
   const auto if_any = [&](double value) { return one.occurred() ? ordered_json(value) : ordered_json(); };
   ordered_json json;
@@ -101,7 +101,7 @@ ordered_json touch(const diagnostics::Touch& one, int dim) {
   return json;
 }
 
-/// Number as JSON; null if it is absent.
+/// Writes a number as JSON; null if the number is absent.
 ordered_json number(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
@@ -157,7 +157,7 @@ ordered_json body_json(const diagnostics::BodyFigures& body) {
           {"notes", body.notes}};
 }
 
-/// Adds the entries of a search.
+/// Adds the entries of a search to run.json.
 void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene) {
   if (m.iterations) {
     ordered_json levels = ordered_json::array();
@@ -202,7 +202,7 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
   }
 }
 
-/// Adds the entries of a fit; numbers that are not finite are written as null.
+/// Adds the entries of a fit to run.json; numbers that are not finite become null.
 void add_fit(ordered_json& json, const Fit& fit) {
   json["unknowns_fitted"] = ordered_json::array();
   for (const FittedUnknown& one : fit.unknowns)

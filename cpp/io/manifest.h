@@ -16,48 +16,50 @@
 
 namespace signorini::io {
 
-/// A candidate in weak contact in a step: closed without force.
+/// A candidate that is weakly active in a step: its gap is closed without a force.
 struct WeakContact {
   int step;
-  double time; ///< s
+  double time; ///< end of the step, s
   int candidate;
-  std::vector<double> x; ///< point of its node in the undeformed body (dim), m
+  std::vector<double> x; ///< point of the candidate's node in the undeformed body (dim), m
 };
 
-/// A kink at which a search ended: optimize::Certificate and the weak contact that causes it.
+/// A kink of J at which a search ended: the data of optimize::Certificate and the weakly active candidates
+/// that cause the kink.
 struct Kink {
-  double length, radius;
-  int gradients;
+  double length, radius; ///< length of the shortest combination of gradients; radius in which they were taken
+  int gradients;         ///< number of gradients
   std::vector<WeakContact> weak;
 };
 
-/// A search on a coarse mesh before the search on the scene's mesh.
+/// Record of a search on a coarse mesh that preceded the search on the scene's mesh.
 struct CoarseLevel {
-  double size = 0, step = 0; ///< m, s
-  int steps = 0;
+  double size = 0, step = 0; ///< element size, m; length of a time step, s
+  int steps = 0;             ///< number of time steps
   long free_unknowns = 0;
   int iterations = 0, forward_sweeps = 0, adjoint_sweeps = 0;
-  double seconds = 0; ///< meshing and factorisation included
-  double objective = 0;
+  double seconds = 0;   ///< wall-clock time, with meshing and factorisation
+  double objective = 0; ///< J at the end of the search
   std::string stop_reason{};
 };
 
-/// Required and estimated errors of a quantity, relative to its modulus.
+/// Required and estimated errors of a quantity, relative to the quantity's modulus.
 struct Accuracy {
   std::string quantity;
-  double asked = 0, space = 0, time = 0;
-  double search = 0;     ///< error left by the optimizer
-  bool met = false;      ///< attained, with half the steps too and without a warning
-  std::string warning{}; ///< why a small estimate is not verified, in words
+  double asked = 0, space = 0, time = 0; ///< required error; estimated errors of mesh and of time steps
+  double search = 0;                     ///< estimated error of the optimizer
+  bool met = false; ///< whether the estimates, also with half the step length, attain it without a warning
+  std::string warning{}; ///< why an estimate below the required error is not verified; empty if it is
+  /// Estimated total error: the sum of its parts.
   [[nodiscard]] double estimated() const { return space + time + search; }
 };
 
-/// Steps of varying length of a motion.
+/// Statistics of the time steps of a motion whose steps vary in length.
 struct Lengths {
-  double shortest = 0, longest = 0; ///< s
+  double shortest = 0, longest = 0; ///< shortest and longest step, s
   int rejected = 0;                 ///< steps that were repeated
-  int factorisations = 0;           ///< factorisations of step operators, repeated ones included
-  double seconds = 0;               ///< time of these factorisations
+  int factorisations = 0;           ///< factorisations of step operators, with repeated ones
+  double seconds = 0;               ///< wall-clock time of these factorisations
 };
 
 /// The contents of run.json.
@@ -67,46 +69,46 @@ struct Manifest {
   int ranks = 1;
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
-  int steps_asked = 0;              ///< steps of the whole motion
+  int steps_asked = 0;              ///< number of steps of the whole motion
   std::optional<Lengths> lengths{}; ///< present if steps vary in length
-  int steps_done = 0;
-  int stored = 0;           ///< times at which fields and contact were stored
-  double wave_time = 0;     ///< step::Stepper::wave_time(), s
-  std::string control_unit; ///< unit of control.scale, empty without a control
-  std::string solver;       ///< solver of the steps, and the reason of its choice
-  double peak_memory = 0;   ///< bytes, summed over the ranks
+  int steps_done = 0;               ///< number of steps computed
+  int stored = 0;                   ///< number of times at which fields and contact were stored
+  double wave_time = 0;             ///< step::Stepper::wave_time(), s
+  std::string control_unit;         ///< unit of control.scale, empty without a control
+  std::string solver;               ///< linear solver of the steps, and the reason for its choice
+  double peak_memory = 0;           ///< bytes, summed over the ranks
   int dim = 2;
   diagnostics::BodyFigures body;
   std::optional<control::ObjectiveValue> objective;
   std::optional<diagnostics::EnergyAccount> energy; ///< energy of the stored motion; absent if not computed
   std::optional<diagnostics::Impact> impact;        ///< absent if not computed, or in a scene without contact
   std::optional<diagnostics::LargestStress::Peak> von_mises; ///< absent if no stress is stored
-  std::vector<diagnostics::Invariants::Defect> invariants;   ///< defects found; empty if not monitored
+  std::vector<diagnostics::Invariants::Defect> invariants;   ///< largest defects; empty if not monitored
   std::vector<Warning> warnings;                             ///< warnings on the stored motion
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
-  std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
+  std::vector<CoarseLevel> coarse_levels; ///< searches on coarse meshes, the coarsest first
   std::optional<Kink> kink;
   std::optional<Accuracy> accuracy{};
   std::optional<Fit> fit;
-  std::vector<std::string> files; ///< files of the run
+  std::vector<std::string> files; ///< names of the files of the run
 };
 
-/// Whether the largest stress is that of a wave at the onset of contact, whose front depends on mesh and
-/// steps.
+/// Whether the largest stress occurs within one crossing of the body by a wave after contact begins. The
+/// wave front, and thus this stress, depends on mesh and time steps.
 [[nodiscard]] bool stress_at_onset(const Manifest& m);
 
-/// JSON document as lines of text; bytes that are not UTF-8, as in some file names, are replaced.
+/// Writes a JSON document as indented text. Bytes that are not UTF-8, as in some file names, are replaced.
 std::string lines(const nlohmann::ordered_json& json);
 
-/// Versions of this program and of its main libraries.
+/// Versions of this program and of its main libraries, by name.
 nlohmann::ordered_json versions();
 /// Versions of this program and of its main libraries on one line.
 std::string version_line();
 
-/// The text of run.json.
+/// Text of run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);
 
-/// The scene's effects by name, on or off.
+/// Names of all effects of the model, each with whether the scene uses it.
 std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene);
 
 } // namespace signorini::io

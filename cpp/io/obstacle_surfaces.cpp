@@ -17,19 +17,20 @@ using contact::Box;
 using contact::Obstacle;
 using contact::ObstacleSurface;
 
-constexpr double around = 0.3; ///< margin around the body that is shown, relative to its size
-/// Cells along the longest side that resolve a curved surface, in the plane and in space: of a surface
-/// written once (fine), and of one written for every time (coarse).
+constexpr double around = 0.3; ///< margin shown around the box of the body, relative to its longest side
+/// Number of cells along the longest side of the box that resolve a curved surface, in the plane and in
+/// space. fine: for surfaces written once; coarse: for surfaces written at every time.
 constexpr int fine[] = {120, 24}, coarse[] = {60, 16};
 
-/// Surface over time: its points at t = 0, and their displacements.
+/// Motion of a surface: points of the surface at t = 0, and their displacements.
 struct Motion {
-  ObstacleSurface surface;          ///< the surfaces of all times if the shape changes
-  std::vector<double> displacement; ///< (times × n × dim), or (n × dim) of all times together
-  std::vector<std::int64_t> first_point, first_facet; ///< by time, with the end; empty if the shape stays
+  ObstacleSurface surface;          ///< one surface; if the shape changes, the surfaces of all times
+  std::vector<double> displacement; ///< (times × n × dim); if the shape changes, (n × dim); m; empty at rest
+  /// First point and first facet of each time, with the end; empty unless the shape changes.
+  std::vector<std::int64_t> first_point, first_facet;
 };
 
-/// Box, in the obstacle's frame at t = 0, around all that is shown at any time.
+/// Box, in the obstacle's frame at t = 0, that contains the box `shown` at all times.
 Box swept(const Obstacle& obstacle, const Box& shown, std::span<const double> times) {
   Box all = shown;
   if (!obstacle.moves())
@@ -43,7 +44,7 @@ Box swept(const Obstacle& obstacle, const Box& shown, std::span<const double> ti
   return all;
 }
 
-/// One surface of an obstacle that keeps its shape, and the displacements of its points.
+/// Motion of the surface of an obstacle that keeps its shape.
 Motion carried(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
   const Obstacle::Place start = obstacle.place(0);
   Motion motion;
@@ -65,7 +66,7 @@ Motion carried(const Obstacle& obstacle, std::size_t dim, const Box& shown, std:
   return motion;
 }
 
-/// Vector to a point from the surface at t = 0, to first order; zero where that surface has no normal.
+/// Vector from the surface at t = 0 to the point x, to first order; zero where the surface has no normal.
 std::array<double, 3> way_from_start(const Obstacle& obstacle, const double* x) {
   try {
     const Obstacle::Plane plane = obstacle.at(x);
@@ -78,7 +79,7 @@ std::array<double, 3> way_from_start(const Obstacle& obstacle, const double* x) 
   }
 }
 
-/// A surface for each time, of an obstacle that changes its shape.
+/// Motion of the surface of an obstacle that changes its shape: a new surface for each time.
 Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
   Motion motion{.surface = {}, .displacement = {}, .first_point = {0}, .first_facet = {0}};
   ObstacleSurface& all = motion.surface;
@@ -101,10 +102,10 @@ Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std:
   return motion;
 }
 
-/// The candidates of an obstacle, with the body undeformed at t = 0.
+/// The candidates of an obstacle, for the undeformed body at t = 0.
 struct Candidates {
-  std::vector<double> gap;    ///< m
-  std::vector<double> normal; ///< out of the obstacle, (m × dim)
+  std::vector<double> gap;    ///< gap of each candidate, m
+  std::vector<double> normal; ///< outward normals of the obstacle (candidates × dim)
 };
 
 Candidates candidates_of(const contact::ContactPairs& pairs, int obstacle) {
@@ -142,8 +143,8 @@ bool write(hid_t file, const std::string& name, const Obstacle& obstacle, std::s
 
 } // namespace
 
-void write_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
-                    std::span<const double> times, const Box& body) {
+void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
+                             std::span<const double> times, const Box& body) {
   constexpr const char* file_name = "surfaces.h5";
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Box shown = body;

@@ -7,9 +7,9 @@
 
 namespace signorini::io {
 
-/// Writes surfaces.h5: the surfaces of the obstacles at `times` (s) around a body that stays within the box
-/// `body`. Collective. Throws OutputFailure.
-void write_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
-                    std::span<const double> times, const contact::Box& body);
+/// Writes surfaces.h5: the parts of the obstacles' surfaces near the body, at `times` (s). `body`: box (m)
+/// that contains the body at all times. Throws OutputFailure. Collective.
+void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
+                             std::span<const double> times, const contact::Box& body);
 
 } // namespace signorini::io

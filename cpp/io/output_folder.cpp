@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The fixed names of a run's files, data before the files that refer to them.
+/// Names of a run's files; data files precede the files that refer to them.
 constexpr std::array file_names{
     "mesh.msh",   "indicators.csv", "surfaces.h5",    "state.h5",         "control.h5",  "adjoint.h5",
     "state.xdmf", "control.xdmf",   "adjoint.xdmf",   "steps.csv",        "contact.csv", "obstacles.csv",
@@ -23,18 +23,18 @@ constexpr std::array file_names{
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
-/// The checkpoint of a search; it stays until another one replaces it.
+/// Name of a search's checkpoint, which stays in the folder until another checkpoint replaces it.
 constexpr const char* checkpoint = "checkpoint.h5";
 
-/// Files that a search puts in place before its end.
+/// Files that a search writes into the output folder before its end.
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
-/// Files that only a search leaves.
+/// Files that only a search writes, not a simulation.
 constexpr std::array of_search{"history.csv",  "parameters.csv", "measurements.csv", "control.h5",
                                "control.xdmf", "adjoint.h5",     "adjoint.xdmf"};
 
-/// Whether postprocess/ made a file, by a mark near its beginning: in a page <meta name="generator"
-/// content="signorini report">, in a picture its comment.
+/// Whether postprocess/ made a file, according to a mark near the file's beginning. In a page the mark is
+/// <meta name="generator" content="signorini report">, in a picture the comment.
 bool drawn(const fs::path& file) {
   std::string start(1 << 16, '\0');
   std::ifstream in(file, std::ios::binary);
@@ -43,7 +43,7 @@ bool drawn(const fs::path& file) {
   return start.find("signorini report") != std::string::npos;
 }
 
-/// Pages and figures of an earlier run, by their paths within the folder.
+/// Paths, within the folder, of the pages and figures that postprocess/ made of an earlier run.
 std::vector<std::string> drawings(const fs::path& folder) {
   std::vector<std::string> found;
   std::error_code none;
@@ -56,7 +56,7 @@ std::vector<std::string> drawings(const fs::path& folder) {
   return found;
 }
 
-/// Removes the half-written files of runs that were killed.
+/// Removes the unfinished files of killed runs from the folder.
 void clear_unfinished(const fs::path& folder) {
   std::error_code ignored; // what remains is harmless
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
@@ -98,7 +98,8 @@ std::vector<std::string> read_list(const fs::path& file) {
   return replaced;
 }
 
-/// Makes the moves that are left and appends them to `done`. Throws std::filesystem::filesystem_error.
+/// Makes the remaining moves of a publication and appends them to `done`. Throws
+/// std::filesystem::filesystem_error.
 void make_moves(const fs::path& folder, std::vector<Move>& done) {
   const fs::path from = folder / finished;
   const auto move = [&](const fs::path& source, const fs::path& target) {
@@ -119,7 +120,7 @@ void make_moves(const fs::path& folder, std::vector<Move>& done) {
       fs::remove(folder / inner, not_empty);
 }
 
-/// Removes the remains of a publication, which are harmless if this fails.
+/// Removes the remains of a publication; a failure to remove them is harmless and ignored.
 void clear_finished(const fs::path& folder) {
   std::error_code error;
   fs::remove(folder / finished / list, error);
@@ -127,7 +128,8 @@ void clear_finished(const fs::path& folder) {
     fs::remove_all(folder / finished, error);
 }
 
-/// Error for the user: of the results' file, wherever it was at that moment, else of the folder.
+/// Makes an error for the user. It names the results' file, at its final path, if `error` concerns one; else
+/// the folder.
 OutputFailure problem(const fs::path& folder, const fs::filesystem_error& error,
                       const std::string& more = {}) {
   const std::string name = error.path1().filename().string();
@@ -137,9 +139,9 @@ OutputFailure problem(const fs::path& folder, const fs::filesystem_error& error,
                                    more));
 }
 
-/// Replaces the files of `folder` by those in `staging`, a folder inside it. Removes `outdated` files of the
-/// folder, with folders that this leaves empty. All of it happens, or nothing if it throws. If the process is
-/// killed meanwhile, complete_publication() can finish the rest. Throws OutputFailure.
+/// Replaces the files of `folder` by those in `staging`, a folder inside it. Removes the `outdated` files of
+/// the folder, and folders that this leaves empty. Throws OutputFailure; `folder` is then unchanged. If the
+/// process is killed meanwhile, complete_publication() can finish the rest.
 void replace_files(const fs::path& folder, const fs::path& staging,
                    const std::vector<std::string>& outdated) {
   std::vector<std::string> replaced;
@@ -165,7 +167,7 @@ void replace_files(const fs::path& folder, const fs::path& staging,
         fs::rename(move.to, move.from);
     } catch (const fs::filesystem_error&) {
       throw problem(folder, error,
-                    fmt::format("; the results wait in {}, from where the next run there puts them in place",
+                    fmt::format("; the results are in {}; the next run in this folder moves them into place",
                                 (folder / finished).string()));
     }
     throw problem(folder, error);
@@ -214,7 +216,8 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
     for (const char* name : file_names)
       if (fs::is_directory(folder_ / name, error))
         throw UserError(fmt::format(
-            "--out: {} is a folder and in the way of a file of this run; move it, or choose another folder",
+            "--out: {} is a folder, but this run writes a file of that name; move the folder, or choose "
+            "another folder",
             (folder / name).string()));
     FolderLock::Names names(file_names.begin(), file_names.end());
     names.insert(names.end(), early_names.begin(), early_names.end());

@@ -11,46 +11,47 @@
 
 namespace signorini::io {
 
-/// Flushes a file, or a folder's entries, to the disk. Throws filesystem_error.
+/// Flushes a file, or the entries of a folder, to the disk. Throws std::filesystem::filesystem_error.
 void synchronise(const std::filesystem::path& path);
 
-/// Folder for the files of a run. Files are written into a hidden folder inside it and moved out together at
-/// the end. Thus each appears whole or not at all, and a failed run leaves everything as it was.
+/// Output folder of a run. Files are written into a hidden folder inside the output folder; publish() moves
+/// them out together at the end. Thus no incomplete file appears, and a failed run leaves the earlier files
+/// unchanged.
 class OutputFolder {
 public:
-  /// Creates and locks the folder, and completes or removes the remains of killed runs. Collective. Throws
-  /// OutputFailure on every rank if the folder cannot be written, UserError if another run has locked it.
-  /// Throws UserError if it contains a file of this run's names that no run wrote, except `given`, which this
-  /// run reads and checks itself.
+  /// Creates and locks the folder, and completes or removes the remains of killed runs. Throws OutputFailure
+  /// on every rank if the folder cannot be written. Throws UserError if another run has locked the folder, or
+  /// if the folder contains a file of the same name as an output file that no run wrote. `given`: name of a
+  /// file exempt from this check, since the run reads and checks it itself. Collective.
   OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Whether runs write files of that name into their folders.
+  /// Whether `name` is a name of the files that runs write into their output folders.
   [[nodiscard]] static bool writes(std::string_view name);
 
-  /// The path at which to write the file `name` until publish().
+  /// Path at which to write the file `name`, from where publish() moves it.
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return staging_ / name; }
 
-  /// Writes a text file, on rank 0. Collective. Throws OutputFailure.
+  /// Writes a text file of that name, on rank 0. Throws OutputFailure. Collective.
   void write(const std::string& name, const std::string& text) const;
 
-  /// Throws UserError if the folder has files that only a search leaves and this run would remove; `given`:
-  /// its path as given by the user. Collective.
+  /// Throws UserError if the folder has files that only a search writes, since publishing this run would
+  /// remove them. `given`: path of the folder as given by the user, for the message. Collective.
   void require_no_search(const std::filesystem::path& given) const;
 
-  /// Moves everything written into place. Removes an earlier run's files under the fixed names that this one
-  /// did not write, and the page and figures that postprocess/ made of it. All of it happens, or nothing if
-  /// it throws. Returns the removed page and figures, by their paths within the folder, on rank 0.
-  /// Collective. Throws OutputFailure.
+  /// Moves all written files into the output folder. Removes files of an earlier run that this run did not
+  /// write, and the pages and figures that postprocess/ made of the earlier run. If it throws, the folder is
+  /// unchanged. Returns the paths of removed pages and figures within the folder, on rank 0. Throws
+  /// OutputFailure. Collective.
   std::vector<std::string> publish();
 
-  /// Files to be listed in run.json, which is written last: those of this run, and a checkpoint that stays.
-  /// On rank 0.
+  /// Names of the files to be listed in run.json, which is written last: the files of this run, run.json
+  /// itself, and a checkpoint in the folder. Call on rank 0.
   [[nodiscard]] FolderLock::Names files() const;
 
-  /// Size of what has been written so far, bytes. Zero on ranks other than 0.
+  /// Total size of the files written so far, bytes. Zero on ranks other than 0.
   [[nodiscard]] double bytes() const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
@@ -58,17 +59,18 @@ public:
 
 private:
   MPI_Comm comm_;
-  std::filesystem::path folder_, staging_;
-  std::optional<FolderLock> lock_; ///< on rank 0
+  std::filesystem::path folder_, staging_; ///< output folder, and hidden folder inside it
+  std::optional<FolderLock> lock_;         ///< on rank 0
 };
 
-/// Text file of the folder, written in parts on rank 0.
+/// Text file of an output folder, written in parts on rank 0.
 class TextFile {
 public:
-  /// `folder` must outlive this object.
+  /// Opens the file `name` of the folder, on rank 0; a failure is reported by close(). `folder` must outlive
+  /// this object.
   TextFile(const OutputFolder& folder, const std::string& name);
 
-  /// Appends on rank 0. Not collective; a failure is reported by close().
+  /// Appends a text, on rank 0. Not collective; a failure is reported by close().
   void append(std::string_view text);
 
   /// Bytes appended so far; on rank 0. Not collective.
@@ -77,7 +79,7 @@ public:
   /// Inserts a text after the first `at` bytes, on rank 0. Not collective; a failure is reported by close().
   void insert(std::streamoff at, std::string_view text);
 
-  /// Closes the file. Collective. Throws OutputFailure if not all of it could be written.
+  /// Closes the file. Throws OutputFailure if any part of it could not be written. Collective.
   void close();
 
 private:

@@ -16,15 +16,16 @@ namespace signorini::io {
 
 namespace {
 
-/// Hash grid of points. The coordinates of a node in two runs agree within `near_`. A cell is so much larger
-/// that few points lie near its sides, and so small that it contains one node.
+/// Grid of cubic cells for finding equal points. The coordinates of a node in two runs agree within `near_`.
+/// Cells are much larger than `near_`, so that few points lie near their sides, and so small that each
+/// contains at most one node.
 class Grid {
 public:
   explicit Grid(const fem::Space& space) : near_(1e-10 * space.mesh().diameter()), cell_(100 * near_) {}
 
   using Cell = std::array<std::int64_t, 3>;
 
-  /// The cell of x (dim), shifted by `shift` along every axis.
+  /// Grid cell of the point x (dim) after a shift by `shift` (m) along every axis.
   [[nodiscard]] Cell cell_of(const double* x, std::size_t dim, double shift) const {
     Cell at{};
     for (std::size_t c = 0; c < dim; ++c)
@@ -32,7 +33,7 @@ public:
     return at;
   }
 
-  /// Calls visit(cell) for the cells that a point at x may be in, until it returns true.
+  /// Calls visit(cell) for the grid cells within `near_` of the point x, until `visit` returns true.
   template <class Visit>
   void around(const double* x, std::size_t dim, Visit&& visit) const {
     const Cell low = cell_of(x, dim, -near_), high = cell_of(x, dim, near_);
@@ -47,7 +48,8 @@ private:
   double near_, cell_;
 };
 
-/// Marks the points `here` (× stride) that coincide with another one among `all` (× stride).
+/// Returns for each point in `here` whether it coincides with another point in `all`, which contains `here`.
+/// Both have `stride` numbers for each point.
 std::vector<bool> ambiguous(const fem::Space& space, const std::vector<double>& here,
                             const std::vector<double>& all, std::size_t stride) {
   const Grid grid(space);
@@ -68,7 +70,8 @@ std::vector<bool> ambiguous(const fem::Space& space, const std::vector<double>& 
   return found;
 }
 
-/// Fraction of the distance to the middle of its cells by which a node is moved: no other node lies there.
+/// Displacement of a coincident node, relative to its distance from the mean midpoint of its cells. No other
+/// node lies at the displaced point.
 constexpr double inwards = 0.1;
 
 } // namespace
@@ -137,7 +140,7 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
     std::map<Grid::Cell, std::size_t> known;
     for (std::size_t i = 0; i < there.size() / dim; ++i)
       if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)
-        fail(fmt::format("found two points at {} m; use a mesh whose nodes are apart, or in cells that are",
+        fail(fmt::format("found two points at {} m; use a mesh without coincident nodes or cells",
                          point_text(&there[i * dim], space.dim())));
     for (std::size_t i = 0; i < here.size() / 3; ++i) {
       const double* x = &here[3 * i];

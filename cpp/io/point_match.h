@@ -8,18 +8,20 @@
 
 namespace signorini::io {
 
-/// Points of V's owned nodes (nodes × 3), m. Coincident ones, such as those on either side of a crack, are
-/// moved slightly into the cells that they belong to: they become distinct, alike on any number of ranks.
-/// Collective.
+/// Points of the nodes of V that this rank owns (nodes × 3), m. Coincident nodes, as on the two sides of a
+/// crack, are moved slightly into their cells, so that all points are distinct. The result does not depend on
+/// the number of ranks. Collective.
 std::vector<double> distinct_points(const fem::Space& space);
 
-/// Makes the vertices (n × dim) of a mesh from a file distinct, like distinct_points(), in place; `cells`:
-/// its cells (dim + 1 vertices each). Rank-local. Returns false if a cell has a vertex that does not exist.
+/// Moves coincident vertices `points` (n × dim) of a mesh read from a file apart, as distinct_points() does.
+/// `cells`: the cells of that mesh, dim + 1 vertices each. Returns false if points coincide and a cell has a
+/// vertex that does not exist. Not collective.
 bool separate(std::vector<double>& points, const std::vector<std::int64_t>& cells, const fem::Space& space);
 
-/// Finds for each of this rank's points `here` (places × 3) the number of the same point among `there`
-/// (points × dim), whose order and last digits may differ. Throws UserError, by `fail(problem)`, where there
-/// is none or two of `there` are the same. Collective.
+/// Finds for each point in `here` (places × 3, on this rank) the number of the same point in `there` (points
+/// × dim, the same on all ranks). Order and last digits of the coordinates may differ. Calls `fail(problem)`,
+/// which must throw UserError, if a point is missing in `there` or two points of `there` coincide.
+/// Collective.
 std::vector<std::size_t> match_points(const fem::Space& space, const std::vector<double>& there,
                                       const std::vector<double>& here,
                                       const std::function<void(const std::string& problem)>& fail);

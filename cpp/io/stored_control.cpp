@@ -21,7 +21,8 @@ namespace {
 
 constexpr double rounding = 1e-9; // of times, relative
 
-/// The value of J's part of the control in the last row of a checkpoint; nan if it has none. Collective.
+/// Value of J without the misfit and prior of a fit, from the last row of a checkpoint's history; nan if
+/// there is no row. Collective.
 double last_objective(CheckpointReader& checkpoint) {
   if (checkpoint.has("history")) {
     constexpr std::size_t columns = 11, objective = 1;
@@ -42,15 +43,15 @@ double last_objective(CheckpointReader& checkpoint) {
   return sum;
 }
 
-/// The value of J in a run.json; nan if it has none.
+/// Value of J in a run.json; nan if run.json has none.
 double objective_in(std::istream& run_json) {
   const nlohmann::json run = nlohmann::json::parse(run_json, nullptr, false);
   const nlohmann::json::json_pointer value("/objective/value");
   return run.contains(value) && run.at(value).is_number() ? run.at(value).get<double>() : std::nan("");
 }
 
-/// Whether the folder's checkpoint is of the run whose results are there, or of one that was killed: an
-/// earlier run's checkpoint stays if a later run writes none. Collective.
+/// Whether the checkpoint and the results in a folder belong to the same run: their values of J agree, or
+/// there are no results. An earlier run's checkpoint stays if a later run writes none. Collective.
 bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Comm comm) {
   const double last = last_objective(checkpoint);
   int same = 1;
@@ -67,14 +68,17 @@ bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Com
 
 std::string where(const std::string& on) { return on.empty() ? "the body" : fmt::format("\"{}\"", on); }
 
-/// Reason why a control of an earlier run cannot be one of this scene; empty if it can.
+/// Reason why a control of an earlier run cannot act in this scene, by scale, group or components; empty if
+/// it can.
 std::string otherness(const scene::ControlKeys& there, const control::ControlSpace& controls,
                       const scene::Control& here) {
   if (std::abs(there.scale - here.scale) > rounding * here.scale)
-    return fmt::format("found a control with control.scale = {:.10g}, this scene has {:.10g}; use the same",
+    return fmt::format("found a control with control.scale = {:.10g}, but this scene has {:.10g}; use the "
+                       "same value",
                        there.scale, here.scale);
   if (there.on != here.on.value_or(""))
-    return fmt::format("found a control on {}, this scene's acts on {}; use the same group (control.on)",
+    return fmt::format("found a control on {}, but this scene's control acts on {}; use the same group "
+                       "(control.on)",
                        where(there.on), where(here.on.value_or("")));
   const std::vector<scene::Component> all = scene::components(controls.space().dim());
   std::vector<std::string> acting;
@@ -82,14 +86,14 @@ std::string otherness(const scene::ControlKeys& there, const control::ControlSpa
     acting.push_back(scene::name(all[static_cast<std::size_t>(component)]));
   for (const std::string& component : there.components)
     if (std::ranges::find(acting, component) == acting.end())
-      return fmt::format(
-          "found a control of {}, this scene's acts in {}; include its components (control.components)",
-          fmt::join(there.components, ", "), fmt::join(acting, ", "));
+      return fmt::format("found a control in {}, but this scene's control acts in {}; include its components "
+                         "(control.components)",
+                         fmt::join(there.components, ", "), fmt::join(acting, ", "));
   return {};
 }
 
-/// Times between which a control of an earlier run is constant, s, by its scene; empty with steps of varying
-/// length, which the scene does not determine.
+/// Ends of the intervals on which a control of an earlier run is constant, s, according to that run's scene.
+/// Empty for steps of varying length, which the scene does not determine.
 std::vector<double> edges_of(const scene::ControlKeys& keys) {
   if (keys.constant_in_time)
     return {0, keys.end};
@@ -101,7 +105,8 @@ std::vector<double> edges_of(const scene::ControlKeys& keys) {
   return edges;
 }
 
-/// Times between which the control of a checkpoint with `rows` rows is constant, s. Throws UserError.
+/// Ends of the intervals on which a checkpoint's control with `rows` rows is constant, s. Throws UserError if
+/// their number does not match.
 std::vector<double> edges_of(CheckpointReader& in, const scene::ControlKeys& keys, int rows) {
   std::vector<double> edges;
   if (in.has("edges")) // not of a joint search
@@ -113,18 +118,19 @@ std::vector<double> edges_of(CheckpointReader& in, const scene::ControlKeys& key
   return edges;
 }
 
-/// Number of the interval between `edges` that contains a time, from 0.
+/// Number, from 0, of the interval between two successive `edges` (s) that contains the time t (s).
 int interval_at(const std::vector<double>& edges, double t) {
   const auto after = std::ranges::upper_bound(edges, t);
   return std::clamp(static_cast<int>(after - edges.begin()) - 1, 0, static_cast<int>(edges.size()) - 2);
 }
 
-/// The middle of an interval of this run.
+/// Middle of interval j of this run's controls, s.
 double middle(const control::ControlSpace& controls, int j) {
   return controls.begin(j) + controls.length(j) / 2;
 }
 
-/// Reason why a stored control that is constant between `edges` cannot be one of `controls`; empty if it can.
+/// Reason why a stored control that is constant between `edges` (s) does not fit the times of `controls`;
+/// empty if it does.
 std::string untimely(const control::ControlSpace& controls, const std::vector<double>& edges) {
   const double end = controls.grid().end();
   if (edges.size() == 2)
@@ -137,10 +143,10 @@ std::string untimely(const control::ControlSpace& controls, const std::vector<do
   return {};
 }
 
-/// The name of the last control in a checkpoint; that of a joint search has unknowns beside it.
+/// Name of the final control in a checkpoint: "u/control" in a search that has unknowns too, else "u".
 std::string name_in(const CheckpointReader& in) { return in.has("u/control") ? "u/control" : "u"; }
 
-/// Reads the control of checkpoint.h5 at the same places.
+/// Reads the control of checkpoint.h5 on the same nodes or cells.
 control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls,
                            const scene::ControlKeys& keys) {
   std::vector<double> edges;
@@ -154,7 +160,7 @@ control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& co
   });
 }
 
-/// The control space of an earlier run, rebuilt from its resolved scene.
+/// Control space of an earlier run, rebuilt from that run's resolved scene.
 struct EarlierRun {
   EarlierRun(MPI_Comm comm, const scene::Scene& scene)
       : mesh(comm, scene.mesh), space(mesh, scene.mesh.degree),
@@ -173,19 +179,19 @@ int dimension(const control::ControlSpace& controls) {
   return controls.on() ? mesh.group_dimension(*controls.on(), "control.on") : mesh.dim();
 }
 
-/// Throws UserError unless the control acts on one place in two meshes: each may be off by the chords of its
-/// boundary.
+/// Throws UserError if the sets on which the control acts in two meshes are farther apart than the chords of
+/// a curved boundary explain: 2 % of `diameter` (m).
 void require_same_place(const CheckpointReader& in, const control::Interpolation& there_to_here,
                         const control::Interpolation& here_to_there, double diameter) {
   constexpr double chords = 0.02; // of the body: those of elements of half the radius
   const double distance = std::max(there_to_here.farthest(), here_to_there.farthest());
   if (distance > chords * diameter)
-    in.fail(fmt::format("found a control up to {:.4g} m from this scene's, in a body of {:.4g} m; use one of "
-                        "the same body in place",
+    in.fail(fmt::format("found a control up to {:.4g} m away from this scene's, in a body of {:.4g} m; use "
+                        "one of the same body and place",
                         distance, diameter));
 }
 
-/// Interpolates the control of checkpoint.h5 from another mesh, which is set up from that run's scene.
+/// Interpolates the control of checkpoint.h5 from the mesh of an earlier run, rebuilt from that run's scene.
 control::Control interpolated(const CheckpointReader& known, const control::ControlSpace& controls,
                               const scene::ControlKeys& keys, const std::string& text, const fs::path& file,
                               const std::string& key) {
@@ -201,8 +207,8 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
                "mesh of that run");
   const int here = dimension(controls), there = dimension(run->controls);
   if (run->mesh.dim() != controls.space().dim() || there != here)
-    known.fail(
-        fmt::format("found a control on a set of {} dimensions; expected {} as in this scene", there, here));
+    known.fail(fmt::format(
+        "found a control on a group of dimension {}; expected dimension {} as in this scene", there, here));
   const control::Interpolation to_here(run->controls, controls);
   require_same_place(known, to_here, {controls, run->controls}, controls.space().mesh().diameter());
   const auto row = [&](int j, int rows) {
@@ -214,8 +220,8 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
   return to_here(in.control(name_in(in), row));
 }
 
-/// Reads the control of control.h5, where the value of a step stands at its end; `why`: reason not to read it
-/// from checkpoint.h5.
+/// Reads the control from control.h5, which stores the value of a step at the end of the step. `why`: reason
+/// why checkpoint.h5 is not read, for messages.
 control::Control as_stored(const control::ControlSpace& controls, const scene::Control& here,
                            const fs::path& folder, const std::string& key, const std::string& why) {
   const MPI_Comm comm = controls.space().comm();
@@ -228,11 +234,11 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
     std::error_code none;
     if (!fs::is_regular_file(file, none) || !fs::is_regular_file(echo, none))
       throw UserError(fmt::format(
-          "{}: {} has no control.h5 of its run, and {}; use the folder of an optimize that left one", key,
-          folder.string(), why));
+          "{}: {} has no control.h5 of its run, and {}; use the folder of an optimize run that wrote one",
+          key, folder.string(), why));
     if (controls.cellwise())
-      throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, which controls with values in "
-                                  "cells need; use the folder of an optimize that left one",
+      throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, which a control with values in "
+                                  "cells needs; use the folder of an optimize run with one",
                                   key, folder.string()));
     scene = scene::read_file(echo);
   });
@@ -277,9 +283,9 @@ control::Control stored_control(const control::ControlSpace& controls, const sce
     return as_stored(controls, scene, folder, key, "there is no checkpoint.h5");
   CheckpointReader in(controls, file, key);
   if (!in.has(name_in(in)))
-    return as_stored(controls, scene, folder, key, "checkpoint.h5 is of a search without a control");
+    return as_stored(controls, scene, folder, key, "checkpoint.h5 belongs to a search without a control");
   if (!is_of_the_run(in, folder, comm))
-    return as_stored(controls, scene, folder, key, "checkpoint.h5 is of another run");
+    return as_stored(controls, scene, folder, key, "checkpoint.h5 belongs to another run");
   std::string text;
   in("scene", text);
   const std::optional<scene::ControlKeys> keys = scene::control_keys(text);

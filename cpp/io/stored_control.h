@@ -6,15 +6,17 @@
 
 namespace signorini::io {
 
-/// Reads the control that an earlier search, for a control alone or with unknowns, left in a folder, on any
-/// number of ranks. On the same mesh it is read unchanged from checkpoint.h5; in other steps it has the value
-/// in the middle of each. On another mesh of the same body, with another degree or kind of values, or in
-/// fewer components it is interpolated (control::Interpolation) from that run's mesh, set up from its scene.
-/// Without a checkpoint of that run it is read from its control.h5, on the same mesh (nodal values of degree
-/// 1), if that has a step within each interval needed. `scene`: the table [control] of this scene; `key`: the
-/// scene's key that names the run. Collective. Throws UserError if there is no control, it is damaged, or its
-/// mesh file has changed. Throws it, too, if the control acts with another scale, on another group or body or
-/// in more components, changes in time where this scene's do not, or ends before this run.
+/// Reads the final control of an earlier search, with or without unknowns, from the search's output folder.
+/// The number of ranks may differ. On the same mesh the values are read unchanged from checkpoint.h5; on
+/// other time intervals each one gets the value at its middle. On another mesh of the same body, with another
+/// degree or kind of values, or with fewer components, the control is interpolated (control::Interpolation);
+/// the earlier run's mesh is then rebuilt from its scene. If the folder has no checkpoint of that run, the
+/// control is read from control.h5. This requires the same mesh, nodal values of degree 1, and a stored step
+/// within each interval needed. `scene`: table [control] of the present scene; `key`: the present scene's key
+/// that names the folder, for messages. Throws UserError if the control is missing or damaged, or if its mesh
+/// file has changed. Throws UserError also if the control has another scale, acts on another group or body or
+/// in more components, ends before the present run, or changes in time although the present one may not.
+/// Collective.
 control::Control stored_control(const control::ControlSpace& controls, const scene::Control& scene,
                                 const std::filesystem::path& folder, const std::string& key);
 

@@ -15,7 +15,7 @@ using petsc::check;
 
 namespace {
 
-/// A copy by rows, with the near null space. Collective.
+/// Copies a matrix to AIJ format together with its near null space. Collective.
 petsc::Matrix by_rows(Mat matrix) {
   petsc::Matrix rows;
   check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
@@ -79,7 +79,8 @@ double Preconditioner::bytes() const {
 namespace {
 
 long& iterations_made = count("iterations of conjugate gradients");
-/// Relative residuals at which the judge is called: early, where most changes already show, and once more.
+/// Relative residuals below which the judge is called: at the first, most changes of the active set already
+/// show.
 constexpr std::array judged_at{1e-3, 1e-6};
 
 } // namespace
@@ -260,8 +261,8 @@ void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
   PetscReal residual = 0;
   check(KSPGetResidualNorm(ksp_, &residual));
   throw SolverFailure(
-      fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e} of {:.3e} after {} "
-                  "iterations",
+      fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e}, limit {:.3e}, after "
+                  "{} iterations",
                   name(), KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
 }
 

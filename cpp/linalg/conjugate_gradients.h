@@ -8,48 +8,51 @@
 
 namespace signorini {
 
-/// Preconditioner of conjugate gradients for one symmetric positive definite matrix, set up once. PETSc
-/// options with the prefix `-step_pc_` are honoured.
+/// Preconditioner of conjugate gradients for one symmetric positive definite matrix, set up once for many
+/// solves. PETSc options with the prefix `-step_pc_` are honoured.
 class Preconditioner {
 public:
   enum class Kind {
-    block_jacobi, ///< one block per node: does not depend on the number of ranks
-    multigrid     ///< smoothed aggregation (PETSc's GAMG) by the matrix's near null space, the rigid motions
+    block_jacobi, ///< one block per node: independent of the number of ranks
+    multigrid     ///< smoothed aggregation (PETSc's GAMG) with the near null space (rigid motions)
   };
 
-  /// `matrix`, in blocks, must outlive this object unchanged. Collective. Throws SolverFailure.
+  /// `matrix` must have a block size (one block per node) and must outlive this object unchanged. Collective.
+  /// Throws SolverFailure.
   Preconditioner(Mat matrix, Kind kind);
 
-  /// Whether the PETSc options set a type, which replaces that of any kind.
+  /// Whether the user has set -step_pc_type, which overrides every Kind.
   [[nodiscard]] static bool given_by_options();
 
-  /// y = the preconditioner's x. Collective.
+  /// Applies the preconditioner to x and writes the result to y. Returns PETSc's error code. Collective.
   [[nodiscard]] PetscErrorCode apply(Vec x, Vec y) const { return PCApply(preconditioner_, x, y); }
 
   [[nodiscard]] std::string name() const;
 
-  /// Memory on all ranks as reported by PETSc, bytes. Collective.
+  /// Memory on all ranks, estimated from the sizes that PETSc reports, bytes. Collective.
   [[nodiscard]] double bytes() const;
 
 private:
-  petsc::Matrix rows_; ///< copy of the matrix in the format that other types than block Jacobi need
+  petsc::Matrix rows_; ///< AIJ copy of the matrix, which all types except block Jacobi need; else null
   petsc::Preconditioner preconditioner_;
 };
 
-/// Preconditioned conjugate gradients. The preconditioner, set up once, is block Jacobi, or multigrid if by a
-/// trial the expected solves take less work with it, set-up included. PETSc options with the prefix `-step_`
-/// are honoured, except for the convergence test. The residual in the norm of the preconditioner (natural
-/// norm), about the energy norm of the error, must fall below tolerance() times the energy norm of the guess
-/// or, where that is larger, the residual of the guess.
+/// Solver by preconditioned conjugate gradients. A trial solve selects the preconditioner, which is then set
+/// up once: multigrid if the expected solves, set-up included, take less work with it, else block Jacobi.
+/// PETSc options with the prefix `-step_` are honoured, except for the convergence test.
+///
+/// Convergence test: the residual in the natural norm (that of the preconditioner, which approximates the
+/// energy norm of the error) must fall below tolerance() times a reference. This reference is the larger of
+/// the energy norm of the initial guess and the natural norm of the initial residual.
 class ConjugateGradients final : public LinearSolver {
 public:
-  /// Orthogonal projector onto a subspace of vectors, in place.
+  /// Replaces a vector by its orthogonal projection onto a subspace.
   using Projector = std::function<void(Vec)>;
   /// Inspects an iterate and returns whether to continue.
   using TerminationTest = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged; `solves`: expected number; `most`: work after which a trial
-  /// solve is given up, in iterations by block Jacobi. Collective. Throws SolverFailure.
+  /// `matrix` must outlive this object unchanged; `solves`: expected number of solves; `most`: work after
+  /// which the trial solve is abandoned, in iterations with block Jacobi. Collective. Throws SolverFailure.
   explicit ConjugateGradients(Mat matrix, double solves = 1,
                               double most = std::numeric_limits<double>::infinity());
   ConjugateGradients(const ConjugateGradients&) = delete; // PETSc stores its address
@@ -57,19 +60,20 @@ public:
 
   void solve(Vec b, Vec x) const override;
 
-  /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P. `judge`, if given, is
-  /// called at two intermediate residuals; if it returns false, the solve ends there and returns false.
-  /// Collective. Throws SolverFailure.
+  /// Solves on the subspace onto which P, `project`, is the projector: P (b − matrix x) = 0, with x − guess
+  /// in the subspace. `judge`, if given, is called for two intermediate iterates; if it returns false, the
+  /// solve ends with the present iterate and returns false. Otherwise returns true. Collective. Throws
+  /// SolverFailure.
   bool solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const;
 
-  /// Work of a trial solve for equal forces in all unknowns from zero, in iterations by block Jacobi;
-  /// infinity if it was given up. The same on every rank.
+  /// Work of the trial solve (right-hand side 1 in all unknowns, guess zero) without set-up, in iterations
+  /// with block Jacobi; infinity if it was abandoned. The same on every rank.
   [[nodiscard]] double trial_work() const { return trial_work_; }
 
-  /// Bytes that an iteration by block Jacobi reads and writes, on all ranks. Collective.
+  /// Memory traffic of one iteration with block Jacobi for `matrix`, on all ranks, bytes. Collective.
   [[nodiscard]] static double iteration_bytes(Mat matrix);
 
-  /// Relative tolerance of a solve (-step_ksp_rtol).
+  /// Relative tolerance of the convergence test (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
 
   [[nodiscard]] std::string name() const override { return "CG with " + preconditioner_->name(); }
@@ -80,11 +84,12 @@ private:
   struct Solve {
     const Projector* project = nullptr;
     const TerminationTest* judge = nullptr;
-    std::ptrdiff_t asked = 0; ///< number of judged_at passed at the last call of the judge
+    std::ptrdiff_t asked = 0; ///< number of entries of judged_at that the residual has passed
     bool stopped = false;     ///< ended by the judge
-    bool started = false;     ///< whether the guess was multiplied
-    double scale = 0;         ///< norm of the solution to which residuals are relative
-    /// Most iterations of a trial, which is not counted and may end without a solution.
+    bool started = false;     ///< whether the matrix has been applied to the guess
+    double scale = 0;         ///< reference of the convergence test, in the energy norm
+    /// Limit of the iterations of a trial solve, which is not counted and may end without a solution. Absent
+    /// for other solves.
     std::optional<double> most{};
   };
 
@@ -94,22 +99,23 @@ private:
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
   void choose_preconditioner(Mat matrix, double solves, double most);
-  /// Iterations of a trial, infinity if it takes more than `most` or fails.
+  /// Number of iterations of a trial solve; infinity if it exceeds `most` or fails.
   [[nodiscard]] double try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   Mat matrix_;
-  /// P matrix, so that residuals stay in the subspace. Projected in the preconditioner P M⁻¹ P alone they
-  /// would contain the forces f of the constraints. Once the rest of the residual has fallen to ε|f|, with ε
-  /// the rounding of P, z·r would be rounding, and directions would leave the subspace (Gould, Hribar,
-  /// Nocedal 2001). With both projections only the rounding ε²|f| is left.
+  /// The operator P matrix, so that residuals stay in the subspace. With the projection in the preconditioner
+  /// alone, P M⁻¹ P, residuals would contain the constraint forces f. Once the rest of the residual has
+  /// fallen to ε|f|, with ε the rounding error of P, z·r would be rounding error, and search directions would
+  /// leave the subspace (Gould, Hribar, Nocedal 2001). With both projections only a rounding error of ε²|f|
+  /// remains.
   petsc::Matrix operator_;
   petsc::LinearSolver ksp_;
   std::unique_ptr<Preconditioner> preconditioner_;
   petsc::Vector right_hand_side_, projected_; ///< scratch of solves on a subspace
-  mutable Solve* now_ = nullptr;              ///< the solve under way
+  mutable Solve* now_ = nullptr;              ///< the solve in progress, else null
   double tolerance_ = 0;
-  double trial_work_ = 0; ///< trial work by the chosen preconditioner
+  double trial_work_ = 0; ///< work of the trial solve with the selected preconditioner
 };
 
 } // namespace signorini

@@ -71,7 +71,7 @@ namespace {
 
 constexpr PetscBLASInt one = 1;
 
-/// Calls part(first, count) on consecutive ranges of 0 … size − 1, each short enough for BLAS.
+/// Calls part(first, count) for consecutive ranges that cover 0 … size − 1, each short enough for the BLAS.
 template <class Part>
 void in_parts(std::size_t size, Part&& part) {
   constexpr std::size_t most = 1 << 30; // BLAS counts with 32-bit integers
@@ -79,7 +79,7 @@ void in_parts(std::size_t size, Part&& part) {
     part(first, static_cast<PetscBLASInt>(std::min(most, size - first)));
 }
 
-/// Number of arrays processed in one pass over the common one.
+/// Number of arrays x_i that one pass over y processes.
 constexpr std::size_t together = 4;
 
 void add(const double* a, const float* const* x, std::span<double> y) {

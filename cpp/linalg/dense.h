@@ -5,29 +5,32 @@
 
 namespace signorini {
 
-/// Factorises a symmetric positive definite K (n × n) in place by LAPACK's Cholesky (lower triangle). Returns
-/// 0, or the number, from 1, of the first pivot that is not positive.
+/// Replaces a symmetric positive definite K (n × n) by its Cholesky factor in the lower triangle (LAPACK).
+/// Returns 0, or the number, counted from 1, of the first pivot that is not positive.
 int factorise_dense(std::span<double> K, std::size_t n);
 
-/// Solves K x = b in place with that factor, for each column of b (n × columns, column by column).
+/// Solves K x = b with the factor of K from factorise_dense(); `b` (n × columns, column by column) is
+/// replaced by x.
 void solve_factorised(std::span<const double> factor, std::size_t n, std::span<double> b);
 
-/// Replaces that factor by K⁻¹, both triangles. Returns 0, or the number, from 1, of a pivot that is zero.
+/// Replaces the factor of K from factorise_dense() by K⁻¹ (both triangles). Returns 0, or the number, counted
+/// from 1, of the first pivot that is zero.
 int invert_factorised(std::span<double> factor, std::size_t n);
 
-/// Eigenvalues of a symmetric K (n × n), ascending, by LAPACK; K becomes the eigenvectors, one after another.
-/// Throws SolverFailure.
+/// Computes the eigenvalues of a symmetric K (n × n), ascending, by LAPACK. K is replaced by the orthonormal
+/// eigenvectors, one after another in the order of the eigenvalues. Throws SolverFailure.
 std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n);
 
-/// Solves K x = b in place for a symmetric positive definite K (n × n), for each column of b (n × columns,
-/// column by column). Returns false, with b as it was, if K is not positive definite.
+/// Solves K x = b for a symmetric positive definite K (n × n); `b` (n × columns, column by column) is
+/// replaced by x. Returns false and leaves b unchanged if K is not positive definite.
 [[nodiscard]] bool solve_dense(std::vector<double> K, std::span<double> b);
 
-/// Solves K x = b, or Kᵀ x = b, in place for a general K (n × n, column by column), which becomes its factors
-/// LU. Returns 0, or the number, from 1, of the first pivot that is zero.
+/// Solves K x = b or, if `transposed`, Kᵀ x = b for a general K (n × n, column by column); b is replaced by
+/// x, K by its factors LU. Returns 0, or the number, counted from 1, of the first pivot that is zero.
 [[nodiscard]] int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b);
 
-/// BLAS on arrays of this rank, also beyond its 32-bit counts; x and y of equal length. Not collective.
+/// BLAS operations on arrays of this rank, which may be longer than the BLAS's 32-bit counts. Arrays x and y
+/// have equal length. Not collective.
 
 /// y += a x.
 void axpy(double a, std::span<const double> x, std::span<double> y);
@@ -38,22 +41,23 @@ void scale(double a, std::span<double> x);
 /// x·y.
 double dot(std::span<const double> x, std::span<const double> y);
 
-/// y += Σ a_i x_i, for arrays x_i of the length of y.
+/// y += Σ a_i x_i, where each array x_i has the length of y; x_i is in single precision.
 void add(std::span<const double> a, std::span<const float* const> x, std::span<double> y);
 
-/// x_i·y (arrays), for arrays x_i of the length of y.
+/// Computes the products x_i·y, where each array x_i has the length of y; x_i is in single precision.
 void dots(std::span<const float* const> x, std::span<const double> y, std::span<double> products);
 
-/// C = A B, for A (m × n), B (n × k) and C, column by column; m·n within 32 bits. Not within a parallel
-/// region: OpenBLAS built for one thread, such as Debian's libopenblas0-serial, confuses concurrent products.
+/// C = A B for A (m × n), B (n × k) and C (m × k), all stored column by column, with m·n and n·k in the range
+/// of 32-bit integers. Do not call this within a parallel region: concurrent products go wrong if OpenBLAS is
+/// built for one thread, as Debian's libopenblas0-serial is.
 void multiply(std::span<const double> A, std::span<const double> B, std::span<double> C, std::size_t n);
 
-/// Cholesky factorisation K_AA = RᵀR for a symmetric K and a list A of k of its indices. An index can be
-/// appended to A or removed from it, each in O(k²) (Golub, Van Loan, Matrix Computations, section 6.5). K is
-/// passed column by column; vectors are in the order of A. Not collective.
+/// Cholesky factorisation K_AA = RᵀR, for a symmetric matrix K and a list A of k of its indices. Appending or
+/// removing one index costs O(k²) (Golub, Van Loan, Matrix Computations, section 6.5). Vectors have their
+/// entries in the order of A. Not collective.
 class UpdatedCholesky {
 public:
-  /// Reserves room for `most` indices; up to that number nothing more is allocated.
+  /// Reserves memory for `most` indices; lists up to this length cause no further allocation.
   explicit UpdatedCholesky(std::size_t most = 0) {
     R_.reserve(most * (most + 1) / 2);
     rotations_.reserve(most);
@@ -61,18 +65,18 @@ public:
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// Empties A.
+  /// Makes A empty.
   void clear();
 
-  /// Appends an index j, whose `column` is K_Aj (k) and whose `diagonal` is K_jj. Returns false, and changes
-  /// nothing, if the pivot (the rest of K_jj after elimination of A) is not above `negligible` K_jj: j then
-  /// depends on A.
+  /// Appends an index j to A. `column`: K_Aj (k entries); `diagonal`: K_jj. Returns false and changes nothing
+  /// if the pivot (the Schur complement of K_jj after elimination of A) is at most `negligible` times K_jj:
+  /// column j then depends linearly on those of A.
   [[nodiscard]] bool append(std::span<const double> column, double diagonal, double negligible = 0);
 
   /// Removes the index at position i of A.
   void remove(std::size_t i);
 
-  /// b ← K_AA⁻¹ b (k).
+  /// Replaces b (k) by K_AA⁻¹ b.
   void solve(std::span<double> b) const;
 
 private:
@@ -80,9 +84,9 @@ private:
     double cosine, sine;
   };
 
-  /// Start of column j of R, which has rows 0 … j.
+  /// Position in R_ at which column j of R starts; the column has the rows 0 … j.
   [[nodiscard]] static std::size_t start(std::size_t j) { return j * (j + 1) / 2; }
-  /// x ← R⁻ᵀ x (k).
+  /// Replaces x (k) by R⁻ᵀ x.
   void forward(std::span<double> x) const;
 
   std::size_t size_ = 0;

@@ -6,22 +6,22 @@
 
 namespace signorini {
 
-/// Solver for one symmetric positive definite matrix, set up once and used at every step.
+/// Solver for systems with one symmetric positive definite matrix, set up once and used in every step.
 class LinearSolver {
 public:
-  /// Prefix of its options in PETSc's database.
+  /// Prefix of the solver's options in PETSc's database.
   static constexpr const char* prefix = "step_";
 
   virtual ~LinearSolver() = default;
 
-  /// Solves matrix x = b; `x` contains an initial guess on entry, which a direct solver ignores. Collective.
+  /// Solves matrix x = b. On entry `x` contains an initial guess, which direct solvers ignore. Collective.
   /// Throws SolverFailure.
   virtual void solve(Vec b, Vec x) const = 0;
 
-  /// Name for reports: the package, or the method and its preconditioner.
+  /// Name of the solver for reports: the package, or the method and its preconditioner.
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /// Memory of the factor or preconditioner on all ranks, bytes. Collective.
+  /// Memory of the factor or preconditioner, summed over all ranks, bytes. Collective.
   [[nodiscard]] virtual double bytes() const = 0;
 
 protected:
@@ -31,10 +31,10 @@ private:
   inline static long& solves_ = count("solves with D");
 };
 
-/// Work of a factorisation, as estimated by its analysis.
+/// Cost of a factorisation, as its analysis estimates it.
 struct FactorWork {
-  double flops = 0;   ///< operations of the factorisation
-  double entries = 0; ///< entries of the factor
+  double flops = 0;   ///< floating-point operations
+  double entries = 0; ///< nonzero entries of the factor
 };
 
 } // namespace signorini

@@ -4,28 +4,28 @@
 
 namespace signorini {
 
-/// Factorisation by MUMPS on any number of ranks. PETSc options with the prefix `-step_` are honoured.
+/// Direct solver by MUMPS, on any number of ranks. PETSc options with the prefix `-step_` are honoured.
 class MumpsSolver final : public LinearSolver {
 public:
-  /// Analyses a copy of `matrix`: elimination order and memory. Collective. Throws SolverFailure.
+  /// Copies `matrix` and analyses the copy: elimination order, memory. Collective. Throws SolverFailure.
   explicit MumpsSolver(Mat matrix);
 
-  /// Whether the factor's entries can be indexed; always, since MUMPS uses 64-bit indices.
+  /// Whether MUMPS can index the factor's entries: always true, since it uses 64-bit indices.
   [[nodiscard]] static bool possible() { return true; }
 
-  /// Memory of the factorisation on all ranks as estimated by the analysis, bytes. Collective.
+  /// Memory that the factorisation will take on all ranks, as the analysis estimates it, bytes. Collective.
   [[nodiscard]] double estimate() const;
 
-  /// Work of the factorisation as estimated by the analysis. Collective.
+  /// Work of the factorisation, as the analysis estimates it. Collective.
   [[nodiscard]] FactorWork work() const;
 
-  /// Computes the factor; to be called once before solve(). Collective. Throws SolverFailure.
+  /// Computes the factor. Call this once, before solve(). Collective. Throws SolverFailure.
   void factorise();
 
   void solve(Vec b, Vec x) const override;
 
-  /// X = matrix⁻¹ B, dense (n × k), for a sparse B, which MUMPS takes from rank 0: `transposed` is Bᵀ (k ×
-  /// n), AIJ with all of its rows and columns there. Collective. Throws SolverFailure.
+  /// Solves matrix X = B for a sparse B and returns X, dense (n × k). `transposed`: Bᵀ (k × n) in AIJ format,
+  /// with all of its rows and columns on rank 0. Collective. Throws SolverFailure.
   [[nodiscard]] petsc::Matrix solve_sparse(Mat transposed) const;
 
   [[nodiscard]] std::string name() const override { return "MUMPS"; }

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// One run of the method: weights w, and the set A where they are positive. Its vectors are affinely
-/// independent, so that K_AA is definite for K = G + s 11ᵀ.
+/// One run of the method, with weights w and the set A of vectors with positive weight. The vectors of A are
+/// affinely independent; therefore K_AA is positive definite for K = G + s 11ᵀ.
 class Search {
 public:
-  /// Starts at the best vertex.
+  /// Starts with the weight 1 on the vector whose value alone is least.
   Search(std::span<const double> G, std::span<const double> e)
       : G_(G), e_(e), n_(e.size()), w_(n_), factor_(n_) {
     std::size_t best = 0;
@@ -31,8 +31,8 @@ public:
 
   [[nodiscard]] const std::vector<double>& weights() const { return w_; }
 
-  /// Moves to the minimum over the affine combinations of A; if a weight falls to zero before, its vector
-  /// leaves A and the minimum is that of the others.
+  /// Moves w to the minimum over the affine combinations of A. If a weight falls to zero on the way, its
+  /// vector leaves A and the minimum is taken over the other vectors.
   void settle() {
     constexpr int passes = 2; // the second one removes the rounding of the first
     for (int whole = 0; whole < passes;) {
@@ -43,8 +43,8 @@ public:
   }
 
   struct Candidate {
-    std::size_t index; ///< vector with the steepest descent; n if none descends by more than rounding
-    double excess;     ///< bound on the value above its minimum, by convexity
+    std::size_t index; ///< vector with the steepest descent; n if no vector descends by more than rounding
+    double excess;     ///< upper bound of the present value's distance from the minimum, by convexity
   };
   [[nodiscard]] Candidate candidate() const {
     constexpr double rounding = 1e-14; // n ε, the sums' rounding
@@ -67,8 +67,8 @@ public:
     return found;
   }
 
-  /// Adds j to A. If it depends on A, weights move along the dependence, where the value is linear, until one
-  /// falls to zero and its vector, perhaps j, leaves A.
+  /// Adds j to A. If j depends affinely on A, the weights move along this dependence, on which the value is
+  /// linear, until one weight falls to zero; the vector of this weight, possibly j, leaves A.
   void enter(std::size_t j) {
     constexpr double dependent = 1e-15; // the pivot is then rounding
     for (;;) {
@@ -94,7 +94,7 @@ public:
 private:
   [[nodiscard]] double entry(std::size_t i, std::size_t j) const { return G_[i * n_ + j]; }
 
-  /// (Gw + e)_A less its mean, which changes no direction and would cost digits.
+  /// Components of Gw + e on A minus their mean. The mean changes no direction, but would cost digits.
   [[nodiscard]] std::vector<double> slopes_on_set() const {
     std::vector<double> slopes;
     double mean = 0;
@@ -107,7 +107,8 @@ private:
     return slopes;
   }
 
-  /// Replaces c by the d that minimises ½ d·G_AA d + c·d over Σ d = `sum`: −K⁻¹c and a multiple of K⁻¹1.
+  /// Replaces c by the vector d that minimises ½ d·G_AA d + c·d subject to Σ d = `sum`: the sum of −K⁻¹c and
+  /// a multiple of K⁻¹1.
   void minimise(std::vector<double>& c, double sum) const {
     std::vector<double> ones(c.size(), 1.0);
     factor_.solve(c);
@@ -121,8 +122,8 @@ private:
     }
   }
 
-  /// w_A += t d with the largest t ≤ `most` for which w ≥ 0; vectors whose weight is then zero leave A.
-  /// Returns whether none does.
+  /// Sets w_A += t d with the largest t ≤ `most` that keeps w ≥ 0. Vectors whose weight becomes zero leave A.
+  /// Returns whether A is unchanged.
   bool move(const std::vector<double>& d, double most) {
     std::size_t first = A_.size();
     for (std::size_t k = 0; k < A_.size(); ++k)
@@ -142,8 +143,8 @@ private:
     return A_.size() == before;
   }
 
-  /// Keeps s of the size of the products with large weights, so that a longer vector of little weight does
-  /// not cost the others their digits.
+  /// Adapts the shift s to the size of the products that have large weights; otherwise a long vector with a
+  /// small weight would cost the others digits.
   void fit_shift(std::size_t j) {
     double size = 0;
     for (std::size_t i = 0; i < n_; ++i)
@@ -162,8 +163,8 @@ private:
   std::span<const double> G_, e_;
   std::size_t n_;
   std::vector<double> w_;
-  std::vector<std::size_t> A_; ///< indices in the order of the factor
-  double shift_ = 0;           ///< s
+  std::vector<std::size_t> A_; ///< indices of the vectors, in the order of the factor
+  double shift_ = 0;           ///< shift s of K
   UpdatedCholesky factor_;     ///< factor of K_AA
 };
 

@@ -13,13 +13,13 @@ using petsc::check;
 
 namespace {
 
-/// Entries of L below which a simplicial factor solves faster than a supernodal one: L is then in the
-/// processor's cache. Measured on both sides of this value by `./dev bench`, which reports the time of a
-/// solve.
+/// Number of entries of L below which a simplicial factor solves faster than a supernodal one, because L fits
+/// into the processor's cache. Measured for sizes on both sides of this value by `./dev bench`, which reports
+/// the time of a solve.
 constexpr double small_factor = 1e6;
 
-/// Access to a sequential BAIJ matrix: compressed rows of blocks, the values block by block, each block
-/// column by column.
+/// Access to a sequential BAIJ matrix: compressed rows of blocks. The values are stored block by block, each
+/// block column by column.
 class Blocks {
 public:
   explicit Blocks(Mat matrix) : matrix_(matrix) {
@@ -58,8 +58,8 @@ struct SparseCholesky::Cholmod {
   cholmod_factor* factor = nullptr;
   cholmod_dense *work_y = nullptr, *work_e = nullptr;
   std::vector<double> z, x;               ///< scratch of solves (n)
-  std::vector<double> b;                  ///< right-hand side of a simplicial factor, else empty
-  std::optional<TriangularSolves> solves; ///< present for a supernodal factor
+  std::vector<double> b;                  ///< right-hand side for a simplicial factor, else empty
+  std::optional<TriangularSolves> solves; ///< present if the factor is supernodal
 
   Cholmod() {
     cholmod_start(&common);
@@ -89,8 +89,8 @@ struct SparseCholesky::Cholmod {
                                     common.status));
   }
 
-  /// Allocates the lower triangle of a symmetric (n × n) matrix; `fill` gets its arrays of column starts,
-  /// rows and values.
+  /// Allocates the lower triangle of a symmetric (n × n) matrix and calls `fill` with its arrays of column
+  /// starts, row indices and values.
   template <class Fill>
   cholmod_sparse* lower(std::size_t n, std::size_t entries, bool pattern, Fill&& fill) {
     cholmod_sparse* A =
@@ -100,7 +100,7 @@ struct SparseCholesky::Cholmod {
     return A;
   }
 
-  /// Storage for the right-hand side of triangular_solve() with the given solution.
+  /// Array into which the right-hand side is written before triangular_solve(…, solution).
   std::span<double> right_hand_side(std::span<double> solution) {
     return factor->is_super ? solution : std::span<double>(b);
   }
@@ -129,7 +129,7 @@ private:
 
 namespace {
 
-/// The lower triangle of D, column by column, from its blocks.
+/// Fills the arrays of the lower triangle of D in compressed columns, from the blocks of D.
 void fill_lower(const Blocks& D, int* p, int* i, double* x) {
   int entries = 0;
   for (int node = 0; node < D.count; ++node)
@@ -145,7 +145,8 @@ void fill_lower(const Blocks& D, int* p, int* i, double* x) {
   p[D.count * D.size] = entries;
 }
 
-/// Orders the graph of the nodes outside the trailing block for a sparse L.
+/// Computes a fill-reducing elimination order of the nodes outside the trailing block, and puts the trailing
+/// block last.
 template <class Cholmod>
 EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> trailing_block) {
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;

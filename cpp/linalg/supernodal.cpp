@@ -18,23 +18,24 @@ namespace signorini {
 
 namespace {
 
-/// Number of supernodes to prefetch ahead: a supernode has a few kilobytes, and memory latency is about the
-/// time of one or two.
+/// Number of supernodes by which the prefetch is ahead: a supernode has a few kilobytes, and the memory
+/// latency is about the time of solving one or two supernodes.
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
 
-/// Columns of a supernode that are solved before the rows below are updated.
+/// Number of columns of a supernode that are solved before the rows below them are updated.
 constexpr std::ptrdiff_t panel_width = 64;
-/// Rows, or columns, of a panel that one thread takes at a time.
+/// Number of rows (forward) or columns (backward) of a panel that a thread takes at a time.
 constexpr std::ptrdiff_t rows_at_once = 128, columns_at_once = 8;
-/// Entries from which a supernode is worth dividing: threads synchronise twice a panel, for about the time in
-/// which one reads a thousand.
+/// Number of entries above which a supernode is divided among threads. Threads synchronise twice per panel,
+/// which takes about as long as reading a thousand entries.
 constexpr std::ptrdiff_t worth_dividing = 16'384;
-/// Approximate number of subtrees of equal work: enough for threads to share them evenly; the fewer, the less
-/// is left above them.
+/// Approximate number of subtrees of equal work: large enough for an even distribution among threads, small
+/// enough to leave little work above the subtrees.
 constexpr double subtrees_wanted = 48;
 
-/// A dense trapezoid of L, column by column: `height` rows, the first `width` of them its diagonal block.
+/// Dense trapezoid of L, stored column by column: `height` rows, of which the first `width` form the diagonal
+/// block.
 struct Supernode {
   const double* values;
   const int* rows_below;
@@ -59,7 +60,7 @@ void prefetch(const cholmod_factor& L, std::ptrdiff_t s) {
     __builtin_prefetch(next.values + i);
 }
 
-/// A block of a supernode.
+/// Rectangular block of a supernode, stored column by column with the distance `stride`.
 struct Block {
   const double* values; ///< first entry
   std::ptrdiff_t rows, columns, stride;
@@ -70,7 +71,7 @@ Block block(const Supernode& s, std::ptrdiff_t row, std::ptrdiff_t rows, std::pt
   return {s.values + column * s.height + row, rows, columns, s.height};
 }
 
-/// below −= B own.
+/// below −= B own, for a block B and the vectors `own` (columns) and `below` (rows).
 SIGNORINI_WIDE void subtract_product(const Block& B, const double* __restrict own, double* __restrict below) {
   const double* __restrict column = B.values;
   std::ptrdiff_t j = 0;
@@ -86,7 +87,7 @@ SIGNORINI_WIDE void subtract_product(const Block& B, const double* __restrict ow
       below[i] -= own[j] * column[i];
 }
 
-/// own −= Bᵀ below.
+/// own −= Bᵀ below, for a block B and the vectors `own` (columns) and `below` (rows).
 SIGNORINI_WIDE void subtract_transposed_product(const Block& B, const double* __restrict below,
                                                 double* __restrict own) {
   const double* __restrict column = B.values;
@@ -115,7 +116,7 @@ SIGNORINI_WIDE void subtract_transposed_product(const Block& B, const double* __
   }
 }
 
-/// own ← T⁻¹ own with the triangle T of a panel that begins at a column.
+/// own ← T⁻¹ own, where T is the triangle of the panel of `width` columns that starts at column `begin`.
 void solve_triangle(const Supernode& s, std::ptrdiff_t begin, std::ptrdiff_t width, double* own) {
   for (std::ptrdiff_t j = 0; j < width; ++j) {
     const double* column = s.values + (begin + j) * s.height + begin;
@@ -125,7 +126,7 @@ void solve_triangle(const Supernode& s, std::ptrdiff_t begin, std::ptrdiff_t wid
   }
 }
 
-/// own ← T⁻ᵀ own with the triangle T of a panel that begins at a column.
+/// own ← T⁻ᵀ own, where T is the triangle of the panel of `width` columns that starts at column `begin`.
 void solve_transposed_triangle(const Supernode& s, std::ptrdiff_t begin, std::ptrdiff_t width, double* own) {
   for (std::ptrdiff_t j = width; j-- > 0;) {
     const double* column = s.values + (begin + j) * s.height + begin;
@@ -135,7 +136,7 @@ void solve_transposed_triangle(const Supernode& s, std::ptrdiff_t begin, std::pt
   }
 }
 
-/// Solves with the diagonal block; `below` (zeroed here) −= B own.
+/// Solves with the diagonal block of a supernode and sets below = −B own for the rows B below it.
 void forward(const Supernode& s, double* own, double* below) {
   std::fill_n(below, s.below(), 0.0);
   for (std::ptrdiff_t c = 0; c < s.width; c += panel_width) {
@@ -146,7 +147,8 @@ void forward(const Supernode& s, double* own, double* below) {
   }
 }
 
-/// Solves with the transposed diagonal block after own −= Bᵀ below.
+/// Subtracts Bᵀ below from `own`, B being the rows below the diagonal block, and solves with the transposed
+/// diagonal block.
 void backward(const Supernode& s, double* own, const double* below) {
   for (std::ptrdiff_t c = (s.width - 1) / panel_width * panel_width; c >= 0; c -= panel_width) {
     const std::ptrdiff_t width = std::min(panel_width, s.width - c), end = c + width;
@@ -156,19 +158,20 @@ void backward(const Supernode& s, double* own, const double* below) {
   }
 }
 
-/// z += `from` at some rows.
+/// Adds the `count` values of `from` to the entries `rows` of z.
 void add_at(const int* rows, std::ptrdiff_t count, const double* from, std::span<double> z) {
   for (std::ptrdiff_t i = 0; i < count; ++i)
     z[rows[i]] += from[i];
 }
 
-/// `to` = z at some rows.
+/// Copies the entries `rows` of z to `to`.
 void take_at(const int* rows, std::ptrdiff_t count, std::span<const double> z, double* to) {
   for (std::ptrdiff_t i = 0; i < count; ++i)
     to[i] = z[rows[i]];
 }
 
-/// Parent of each supernode in the elimination tree, the one of its first row below; −1 for a root.
+/// Parent of each supernode in the elimination tree: the supernode that contains the first row below it; −1
+/// for a root.
 std::vector<int> parents(const cholmod_factor& L) {
   const auto* super = static_cast<const int*>(L.super);
   std::vector<int> of_column(L.n), parent(L.nsuper, -1);

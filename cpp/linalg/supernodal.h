@@ -8,34 +8,35 @@
 namespace signorini {
 
 /// Forward and backward solves with a supernodal factor L of CHOLMOD (real, 32-bit indices), on the threads
-/// of OpenMP. One thread each solves independent subtrees of the elimination tree; all threads solve the
-/// supernodes above them one after another, each divided by rows or columns. The division and the order of
-/// every sum depend on L alone, so results are the same to the last bit on any number of threads.
+/// of OpenMP. Independent subtrees of the elimination tree are solved in parallel, each by one thread. The
+/// supernodes above the subtrees are solved one after another, each by all threads, which share its rows or
+/// columns. This division and the order of every sum depend on L alone, so that results are bitwise equal for
+/// any number of threads.
 ///
-/// They are faster than CHOLMOD's own solves on one thread too, which call the BLAS for every supernode,
-/// since they prefetch the next supernodes from memory (`./dev bench scaling`).
+/// The solves are faster than CHOLMOD's also on one thread, since they prefetch the next supernodes from
+/// memory, while CHOLMOD calls the BLAS for every supernode (`./dev bench scaling`).
 class TriangularSolves {
 public:
-  /// Plans the solves. `L` must outlive this object unchanged.
+  /// Plans the division of the solves. `L` must outlive this object unchanged.
   explicit TriangularSolves(const cholmod_factor& L);
 
-  /// z ← L⁻¹ z (n), in place. One solve at a time. Not collective.
+  /// Replaces z (n) by L⁻¹ z. Only one call of forward() or backward() at a time. Not collective.
   void forward(std::span<double> z);
-  /// z ← L⁻ᵀ z (n), in place. One solve at a time. Not collective.
+  /// Replaces z (n) by L⁻ᵀ z. Only one call of forward() or backward() at a time. Not collective.
   void backward(std::span<double> z);
 
-  /// Memory beside the factor.
+  /// Memory that this object takes in addition to the factor, bytes.
   [[nodiscard]] std::size_t bytes() const;
 
 private:
-  /// A subtree: a range of supernodes, the last of them its root. The rows of L outside of it that its
-  /// columns reach are those below the root's diagonal block.
+  /// Subtree of the elimination tree: a range of supernodes that ends with the root. Outside the subtree its
+  /// columns have entries only in the rows below the root's diagonal block.
   struct Subtree {
     int first, root;
-    std::size_t outside; ///< start of its entries of outside_
+    std::size_t outside; ///< start of this subtree's entries in outside_
   };
-  /// Supernodes above the subtrees, one after another: a single one divided among all threads, or small ones
-  /// for one thread.
+  /// Range of supernodes above the subtrees: either one supernode divided among all threads, or several small
+  /// ones that one thread solves.
   struct Trunk {
     int first, last;
     bool divided;
@@ -53,11 +54,11 @@ private:
   const cholmod_factor& L_;
   std::vector<Subtree> subtrees_;
   std::vector<Trunk> trunk_;
-  std::vector<int> inside_;     ///< number of rows below each supernode that lie in its subtree
-  std::vector<int> place_;      ///< position of each row of L.s outside its subtree among rows below the root
-  std::vector<double> outside_; ///< contributions of subtrees to the rows outside, or values from there
-  std::vector<double> shared_;  ///< scratch of a divided supernode (maxesize)
-  std::vector<std::vector<double>> work_; ///< scratch of each thread (maxesize)
+  std::vector<int> inside_;     ///< number of rows below each supernode's diagonal block inside its subtree
+  std::vector<int> place_;      ///< position of each outside row of L.s among the rows below the root
+  std::vector<double> outside_; ///< contributions of subtrees to outside rows (forward), z there (backward)
+  std::vector<double> shared_;  ///< scratch for a divided supernode (maxesize)
+  std::vector<std::vector<double>> work_; ///< scratch for each thread (maxesize)
 };
 
 } // namespace signorini

@@ -12,26 +12,27 @@ namespace {
 using petsc::check;
 
 constexpr const char* attached = "signorini_threaded_product";
-/// Stored entries from which threads gain more than their synchronisation costs.
+/// Number of stored entries above which threads save more time than their synchronisation takes.
 constexpr std::ptrdiff_t worth_threads = 50'000;
-/// Number of parts of equal work that the rows are divided into.
+/// Number of parts with equal work into which the rows are divided.
 constexpr std::ptrdiff_t parts_wanted = 32;
 
-/// Product y = A x + z (z null: none) of one matrix; y may be z.
+/// Product y = A x + z with one matrix A; a null z counts as zero, and y may be z.
 class Product {
 public:
   virtual ~Product() = default;
   virtual void operator()(const double* x, const double* z, double* y) = 0;
 };
 
-/// Compressed rows.
+/// Matrix in compressed rows.
 struct Rows {
   PetscInt count = 0;
   const PetscInt *begin = nullptr, *column = nullptr;
   const PetscScalar* values = nullptr;
 };
 
-/// First rows of parts with about as many entries each, and the number of rows.
+/// Divides rows into parts with about equally many entries. Returns the first row of each part and, at the
+/// end, the number of rows.
 std::vector<PetscInt> parts(const Rows& rows) {
   std::vector<PetscInt> first{0};
   const std::ptrdiff_t entries = rows.begin[rows.count];
@@ -44,8 +45,8 @@ std::vector<PetscInt> parts(const Rows& rows) {
   return first;
 }
 
-/// Upper half of a symmetric matrix of blocks. The contributions of a part to rows of later parts are stored
-/// apart, and added in the order of the parts.
+/// Product with a symmetric matrix stored as its upper half in blocks. The contributions of each part to rows
+/// of later parts are stored separately and added in the order of the parts.
 template <int size>
 class SymmetricProduct final : public Product {
 public:
@@ -105,7 +106,7 @@ private:
     }
   }
 
-  /// Adds the contributions of earlier parts to the rows of a part.
+  /// Adds the contributions of the earlier parts to the rows of part p.
   void collect(std::size_t p, double* y) {
     const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(first_[p]) * size,
                          end = static_cast<std::ptrdiff_t>(first_[p + 1]) * size;
@@ -119,10 +120,10 @@ private:
 
   Rows rows_;
   std::vector<PetscInt> first_;
-  std::vector<std::vector<double>> reached_; ///< contributions of each part to the rows after it
+  std::vector<std::vector<double>> reached_; ///< for each part, its contributions to rows after it
 };
 
-/// A scalar matrix applied to each of `size` components.
+/// Product with a scalar matrix that is applied to each of `size` components.
 template <int size>
 class ComponentProduct final : public Product {
 public:
@@ -163,7 +164,7 @@ Rows rows_of(Mat matrix, PetscScalar* values) {
   return rows;
 }
 
-/// Threaded product of a matrix; null for matrices of other kinds and small ones.
+/// Creates the threaded product of a matrix; returns null for a matrix that is of another type or small.
 std::unique_ptr<Product> product_of(Mat matrix) {
   PetscBool symmetric = PETSC_FALSE, components = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATSEQSBAIJ, &symmetric));

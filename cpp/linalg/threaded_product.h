@@ -4,10 +4,11 @@
 
 namespace signorini {
 
-/// Makes products with a matrix on one rank, plain and added to a vector, run on the threads of OpenMP from
-/// now on. The matrix is SBAIJ in blocks of 2 or 3, or MAIJ of as many components; others keep PETSc's
-/// products, as do small matrices. The rows are divided by the matrix alone, so products are the same to the
-/// last bit on any number of threads. Copies of the matrix must not be multiplied. Not collective.
+/// Makes later products with a matrix (MatMult, MatMultAdd) run on the threads of OpenMP. `matrix`: on one
+/// rank, SBAIJ with blocks of 2 or 3, or MAIJ with 2 or 3 components. Matrices of other types and small
+/// matrices keep PETSc's products. How rows are divided depends on the matrix alone, so that products are
+/// bitwise equal for any number of threads. PETSc copies of the matrix must not be multiplied. Not
+/// collective.
 void thread_products(Mat matrix);
 
 } // namespace signorini

@@ -12,8 +12,9 @@ class Mesh;
 
 namespace signorini::mesh {
 
-/// Distributes a mesh from rank 0 over the ranks of a communicator; `dim` is given on every rank. Its input
-/// numbers are the rows of `raw`. Collective.
+/// Distributes the mesh `raw` of rank 0 over the ranks of `comm`. `dim`: dimension of the mesh, passed on
+/// every rank. In the result, input_global_indices() and original_cell_index number nodes and cells by their
+/// rows in `raw`. Collective.
 std::shared_ptr<dolfinx::mesh::Mesh<double>> distributed(MPI_Comm comm, const RawMesh& raw, int dim);
 
 } // namespace signorini::mesh

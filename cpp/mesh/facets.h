@@ -9,8 +9,8 @@
 
 namespace signorini::mesh {
 
-/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries are
-/// the largest integer, which sorts behind all node numbers.
+/// Node numbers of a cell or facet in ascending order, so that equal cells or facets compare equal. Unused
+/// entries contain the largest integer, which sorts behind all node numbers.
 using SortedNodes = std::array<std::int64_t, 4>;
 
 inline SortedNodes sorted_nodes(std::span<const std::int64_t> nodes) {
@@ -21,13 +21,14 @@ inline SortedNodes sorted_nodes(std::span<const std::int64_t> nodes) {
   return sorted;
 }
 
-/// A facet of one cell.
+/// Facet, as a side of one cell.
 struct Facet {
   SortedNodes nodes;
-  std::int64_t opposite; ///< the cell's vertex opposite the facet
+  std::int64_t opposite; ///< vertex of the cell that is not on the facet
 };
 
-/// Facets of every cell (cells × (dim + 1) nodes), sorted by their nodes: one between two cells occurs twice.
+/// Lists the facets of every cell, sorted by their nodes; a facet between two cells occurs twice. `cells`:
+/// (cells × (dim + 1)) node numbers.
 inline std::vector<Facet> sorted_facets(int dim, std::span<const std::int64_t> cells) {
   const std::size_t corners = static_cast<std::size_t>(dim) + 1;
   std::vector<Facet> facets;
@@ -43,7 +44,8 @@ inline std::vector<Facet> sorted_facets(int dim, std::span<const std::int64_t> c
   return facets;
 }
 
-/// Facets of sorted_facets() that belong to one cell alone: the boundary.
+/// Selects the facets that belong to one cell only, which form the boundary, from the result of
+/// sorted_facets().
 inline std::vector<Facet> outer_facets(const std::vector<Facet>& sorted) {
   std::vector<Facet> outer;
   for (std::size_t f = 0; f < sorted.size(); ++f)

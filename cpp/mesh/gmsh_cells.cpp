@@ -66,7 +66,7 @@ void GmshCells::require_dimension() {
     fail("the mesh has no elements (is the file incomplete?); use a mesh of triangles or tetrahedra");
   if (raw_.dim < 2)
     fail(fmt::format(
-        "the highest elements of the mesh are those of a {}; use a mesh of triangles or tetrahedra",
+        "the elements of highest dimension are those of a {}; use a mesh of triangles or tetrahedra",
         entity_kind(raw_.dim)));
 }
 
@@ -158,7 +158,7 @@ Simplex GmshCells::simplex(const std::int64_t* nodes) const {
 void GmshCells::require_extent() const {
   for (std::size_t c = 0; c < raw_.cells.size(); c += raw_.dim + 1)
     if (const Simplex cell = simplex(&raw_.cells[c]); !(cell.volume() > 1e-14 * cell.edge_product()))
-      fail(fmt::format("the {0} at {1} has no {2}; use {3} that have one", words(raw_.dim).cell,
+      fail(fmt::format("the {0} at {1} has zero {2}; use {3} that are not degenerate", words(raw_.dim).cell,
                        place(raw_.cells[c]), words(raw_.dim).extent, words(raw_.dim).cells));
 }
 

@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
-/// The cells of gmsh's current model, and its groups.
+/// Cells and groups of gmsh's current model.
 namespace signorini::mesh {
 
-/// Words for the entities of a mesh of some dimension, for messages.
+/// Words for the cells and facets of a mesh of dimension 2 or 3, for messages.
 struct Words {
   const char *cell, *cells, *facet, *facets;
-  const char* extent;                           ///< "area" or "volume", zero for a degenerate cell
-  const char* body_kind;                        ///< kind of a Physical group of cells in a .geo
-  const char *straight_cells, *straight_facets; ///< with their names in gmsh
+  const char* extent;                           ///< "area" or "volume"; zero for degenerate cells
+  const char* body_kind;                        ///< kind of a Physical group of cells in a .geo file
+  const char *straight_cells, *straight_facets; ///< with gmsh's names of these element types
 };
 
 inline constexpr Words plane_words{.cell = "triangle",
@@ -43,83 +43,87 @@ inline constexpr Words space_words{.cell = "tetrahedron",
 
 inline const Words& words(int dim) { return dim == 2 ? plane_words : space_words; }
 
-/// Name of a dimension's entities in a .geo.
+/// Name of an entity of dimension `dim` in a .geo file: point, curve, surface or volume.
 const char* entity_kind(int dim);
 
-/// gmsh's name of elements of an entity that are no straight simplices; empty if all are.
+/// Returns gmsh's name of an element type of the entity that is not a straight simplex; empty if all elements
+/// of the entity are straight simplices.
 std::string foreign_elements(int dim, int entity);
 
-/// Tags of the nodes of an entity's elements.
+/// Tags of the nodes of an entity's elements, element by element.
 std::vector<std::int64_t> node_tags(int dim, int entity);
 
-/// Points and cells of gmsh's current model, validated: triangles in the plane z = 0, or tetrahedra.
+/// Validated points and cells of gmsh's current model: triangles in the plane z = 0, or tetrahedra.
 class GmshCells {
 public:
-  /// Reads the model. `entities_are_groups`: for elements read with Mesh.SwitchElementTags, whose entities
-  /// are numbered as their groups. Throws UserError.
+  /// Reads the current model. `entities_are_groups`: whether the elements were read with
+  /// Mesh.SwitchElementTags, which makes one entity of each group, with the group's number. Throws UserError
+  /// if the cells are invalid.
   GmshCells(const scene::Mesh& mesh, bool entities_are_groups);
 
-  /// Dimension, points and cells; without groups.
+  /// Dimension, points (m) and cells of the mesh, without its groups.
   [[nodiscard]] const RawMesh& raw() const { return raw_; }
-  /// Facets of every cell, from sorted_facets().
+  /// Facets of every cell, as sorted_facets() lists them.
   [[nodiscard]] const std::vector<Facet>& facets() const { return facets_; }
-  /// Rows of an entity's cells; empty for one without cells.
+  /// Rows in raw().cells of the cells of an entity; empty if the entity has no cells.
   [[nodiscard]] std::span<const std::int64_t> rows_of_entity(int entity) const;
-  /// Entities with cells, ascending.
+  /// Numbers of the entities that have cells, ascending.
   [[nodiscard]] std::vector<int> entities() const;
   [[nodiscard]] bool entities_are_groups() const { return entities_are_groups_; }
-  /// Map from a group's dimension and number to its entities; see entities_are_groups().
+  /// Map from a group's dimension and number to the numbers of its entities. Filled only if
+  /// entities_are_groups() is true.
   [[nodiscard]] const std::map<std::pair<int, int>, std::vector<int>>& entities_of() const {
     return entities_of_;
   }
 
-  /// Whether a cell has the node of this tag.
+  /// Whether some cell has the node with this tag.
   [[nodiscard]] bool has(std::int64_t tag) const { return number_.contains(tag); }
-  /// Rows of nodes, by their tags, that cells have.
+  /// Rows in raw().points of nodes, by their tags; each node must belong to a cell.
   [[nodiscard]] std::vector<std::int64_t> rows_of(const std::vector<std::int64_t>& tags) const;
-  /// Coordinates of a node of the file, m.
+  /// Coordinates of a node of the file, by its tag, m.
   [[nodiscard]] std::array<double, 3> drawn(std::int64_t tag) const;
-  /// Throws UserError unless the file has the node.
+  /// Throws UserError unless the file has a node with this tag.
   void require_node(std::int64_t tag) const;
-  /// Throws UserError with the file's name.
+  /// Throws UserError with `text` after the file's name.
   [[noreturn]] void fail(const std::string& text) const;
 
 private:
   void require_dimension();
-  /// Numbers entities, which are groups, from 1: for gmsh a negative number, that of a group passed through
-  /// backwards, means all of them.
+  /// Renumbers entities, which are groups here, so that all numbers are positive. gmsh assigns a negative
+  /// number to a group that is traversed backwards, and takes a negative number in a call to mean all
+  /// entities.
   void number_from_one();
-  /// Tags of the nodes of all cells, entity by entity; sets the rows of each.
+  /// Returns the tags of the nodes of all cells, entity by entity, and sets the range of rows of each entity.
   std::vector<std::int64_t> cell_tags();
   void number_points(const std::vector<std::int64_t>& cells);
   void require_extent() const;
-  /// Keeps the first copy of each cell: MSH 2 has one for each of its groups. Throws UserError for a second
-  /// copy in one group, and in MSH 4 for any.
+  /// Removes repeated cells: MSH 2 lists a cell once for each of its groups. Throws UserError if a cell
+  /// occurs twice in one group or, in MSH 4, anywhere.
   void keep_single_cells();
-  /// Entity of a cell, by its row as read.
+  /// Number of the entity that contains a cell. `row`: row of the cell as read, repeated cells included.
   [[nodiscard]] int entity_of(std::int64_t row) const;
-  /// Throws UserError unless each facet belongs to one cell, or to two that are on either side of it.
+  /// Throws UserError unless each facet belongs to one cell, or to two cells on opposite sides of it.
   void require_facets_apart() const;
   [[nodiscard]] Simplex simplex(const std::int64_t* nodes) const;
   [[nodiscard]] const double* point(std::int64_t node) const { return &raw_.points[3 * node]; }
-  /// A node's coordinates for messages.
+  /// Coordinates of a node as text for messages, m.
   [[nodiscard]] std::string place(std::int64_t node) const;
 
   std::string file_;
-  double metres_; ///< length of the file's unit
+  double metres_; ///< length of the file's unit, m
   bool entities_are_groups_;
   std::map<std::pair<int, int>, std::vector<int>> entities_of_;
   RawMesh raw_;
-  std::vector<double> drawn_; ///< coordinates of all nodes of the file, in its unit
+  std::vector<double> drawn_; ///< coordinates of all nodes of the file, in the file's unit
   std::unordered_map<std::int64_t, std::size_t> drawn_row_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
   std::map<int, std::array<std::int64_t, 2>> range_; ///< entity → its rows of the cells as read
-  std::vector<std::int64_t> kept_;                   ///< row as read → row in raw().cells
+  std::vector<std::int64_t> kept_;                   ///< row of a cell as read → row in raw().cells
   std::vector<Facet> facets_;
 };
 
-/// Cells of gmsh's current model with its groups. `names`: names of groups, where the file has them. Throws
-/// UserError where some cells are in no group.
+/// Returns the cells of gmsh's current model together with its groups. `names`: names of groups as read from
+/// the file, which replace gmsh's. Throws UserError if some cells, but not all, are in no group.
 RawMesh with_groups(const GmshCells& cells, const MshFile::GroupNames& names);
 
 } // namespace signorini::mesh

@@ -16,7 +16,7 @@ struct PhysicalGroup {
   std::vector<int> entities;
 };
 
-/// Adds the groups to cells.
+/// Adds the physical groups of gmsh's current model to a mesh of its cells.
 class Grouping {
 public:
   Grouping(const GmshCells& cells, const MshFile::GroupNames& names)
@@ -45,7 +45,7 @@ private:
     return groups;
   }
 
-  /// Name of a group, and whether it is only its number.
+  /// Name of a group, and whether this name is only the group's number.
   [[nodiscard]] std::pair<std::string, bool> name_of(int dim, int tag) const {
     std::string name;
     if (const auto found = names_.find({dim, tag}); found != names_.end())
@@ -61,7 +61,7 @@ private:
       const auto [name, number] = name_of(group.dim, group.tag);
       if (numbers.try_emplace({group.dim, name}, number).first->second != number)
         raw_.unusable[group.dim][name] =
-            "cannot be distinguished from another, which has no name but this number; give that one a name";
+            "cannot be distinguished from the unnamed group with this number; give the unnamed group a name";
       if (group.dim == raw_.dim)
         add_part(name, group);
       else if (group.dim == raw_.dim - 1)
@@ -78,8 +78,8 @@ private:
       raw_.facets.erase(name);
   }
 
-  /// Marks groups from which gmsh left out entities as unusable: those that the .geo does not draw, or no
-  /// longer after a boolean operation.
+  /// Marks groups as unusable whose entities gmsh has skipped: entities that the .geo never draws, or that a
+  /// boolean operation has removed.
   void find_incomplete_groups() {
     std::vector<std::string> log;
     gmsh::logger::get(log);
@@ -95,8 +95,8 @@ private:
       for (int dim = raw_.dim - 1; words && dim <= raw_.dim; ++dim)
         if (group == entity_kind(dim))
           raw_.unusable[dim][name_of(dim, tag).first] = fmt::format(
-              "lists {} {}, which is not drawn (any more, after boolean operations); correct the list", what,
-              entity);
+              "lists {} {}, which does not exist, or no longer after boolean operations; correct the list",
+              what, entity);
     }
   }
 
@@ -108,7 +108,7 @@ private:
     }
   }
 
-  /// Runs of consecutive rows, each by its first row and one past its last; sorts `rows`.
+  /// Sorts `rows` and returns its runs of consecutive rows: for each run the first row and the last row + 1.
   static std::vector<std::int64_t> ranges(std::vector<std::int64_t>& rows) {
     std::ranges::sort(rows);
     std::vector<std::int64_t> found;
@@ -120,8 +120,8 @@ private:
     return found;
   }
 
-  /// Adds a group of facets. A group with elements that are no facets of cells, such as a floor that is
-  /// drawn, is unusable, which matters where the scene names it.
+  /// Adds a group of facets. If the group has elements that are not facets of cells, for example a drawn
+  /// floor, it is marked as unusable, which is an error only if the scene names the group.
   void add_facets(const std::string& name, const PhysicalGroup& group) {
     const Words& word = words(raw_.dim);
     std::vector<std::int64_t>& facets = raw_.facets[name];
@@ -139,7 +139,7 @@ private:
         if (!std::ranges::all_of(own, [&](std::int64_t tag) { return cells_.has(tag); }) ||
             !is_facet(cells_.rows_of({own.begin(), own.end()}))) {
           raw_.unusable[group.dim][name] = fmt::format(
-              "has the {0} at {1}, which is the {0} of no {2}; name a group of {3} of {4}", word.facet,
+              "contains the {0} at {1}, which is the {0} of no {2}; choose a group of {3} of {4}", word.facet,
               point_text(cells_.drawn(own[0]).data(), raw_.dim), word.cell, word.facets, word.cells);
           return;
         }
@@ -154,8 +154,8 @@ private:
     return std::ranges::binary_search(cells_.facets(), sorted_nodes(nodes), {}, &Facet::nodes);
   }
 
-  /// Names the body and its boundary where the file does not. Throws UserError if only some cells have a
-  /// group.
+  /// Adds the group "body" of all cells if no cell is in a group, and "boundary" if no facet of the body is.
+  /// Throws UserError if some cells, but not all, are in a group.
   void name_untagged() {
     const std::size_t count = raw_.cells.size() / (raw_.dim + 1);
     std::vector<bool> grouped(count);
@@ -194,8 +194,8 @@ private:
       if (cells_.entities_are_groups()) // then this is its number, or the first of several entities'
         gmsh::model::getPhysicalGroupsForEntity(raw_.dim, entity, numbers);
       const int number = numbers.empty() ? entity : numbers.front();
-      cells_.fail(fmt::format("{0} {1} has {2} {3} in no physical group, though others are; add it to one, "
-                              "as by Physical {4}(\"body\") = {{{1}}};, or delete it",
+      cells_.fail(fmt::format("{0} {1} has {2} {3} in no physical group, though others are; add it to a "
+                              "group, as by Physical {4}(\"body\") = {{{1}}};, or delete it",
                               entity_kind(raw_.dim), number, bare, bare == 1 ? word.cell : word.cells,
                               word.body_kind));
     }
@@ -206,7 +206,7 @@ private:
   const MshFile::GroupNames& names_;
   RawMesh raw_;
   std::map<std::string, std::vector<std::int64_t>> part_rows_;
-  bool bounded_ = false; ///< whether some group has facets of cells
+  bool bounded_ = false; ///< whether some group contains facets of cells
 };
 
 } // namespace

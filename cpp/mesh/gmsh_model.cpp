@@ -18,7 +18,7 @@ namespace {
 
 using Tag = std::size_t;
 
-/// Initialises and finalises gmsh, whose state is process-wide, around the reading of one file.
+/// Scope guard that initialises and finalises gmsh, whose state is process-wide, for one file.
 class Session {
 public:
   Session() {
@@ -36,7 +36,8 @@ public:
   Session& operator=(const Session&) = delete;
 };
 
-/// gmsh's first error message, as its exceptions often carry only the last; `fallback` if it logged none.
+/// First error message of gmsh, since its exceptions often contain only the last; `fallback` if gmsh logged
+/// none.
 std::string complaint(const std::string& fallback) {
   std::vector<std::string> log;
   gmsh::logger::get(log);
@@ -46,26 +47,26 @@ std::string complaint(const std::string& fallback) {
   return fallback;
 }
 
-/// Sets the size of all elements, in the unit of the file.
+/// Sets one size for all elements, in the unit of the file.
 void set_size(double size) {
   gmsh::option::setNumber("Mesh.MeshSizeMin", size);
   gmsh::option::setNumber("Mesh.MeshSizeMax", size);
 }
 
-/// Sides of the current model's bounding box, in the unit of the file.
+/// Sides of the bounding box of gmsh's current model, in the unit of the file.
 std::array<double, 3> sides_of_model() {
   std::array<double, 6> box{};
   gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
   return {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
 }
 
-/// Sets the first size of all elements where mesh.size is automatic: a tenth of the body's longest side.
+/// Sets the size of all elements for automatic mesh.size: a tenth of the body's longest side.
 void set_coarsest_size() {
   constexpr double parts = 10;
   set_size(std::ranges::max(sides_of_model()) / parts);
 }
 
-/// Sets the sizes of a field, whose unit is the metre; `metres`: length of the file's unit.
+/// Makes gmsh use the sizes (m) of a field as its only sizes; `metres`: length of the file's unit, m.
 void set_sizes(const SizeField& field, double metres) {
   const auto corners = static_cast<std::size_t>(field.dim) + 1;
   std::vector<double> data; // for each cell x of its corners, y, z, sizes
@@ -90,7 +91,8 @@ void set_sizes(const SizeField& field, double metres) {
     gmsh::option::setNumber(other, 0);
 }
 
-/// Area or volume of the current model by a mesh of elements of this size, in the unit of the file.
+/// Area or volume of gmsh's current model, computed with a mesh of elements of this size; all in the unit of
+/// the file.
 double measure(int dim, double size) {
   set_size(size);
   gmsh::model::mesh::generate(dim);
@@ -107,8 +109,9 @@ double measure(int dim, double size) {
   return sum;
 }
 
-/// Throws UserError if mesh.size makes more elements in the model, just opened from the file `opened`, than
-/// are feasible: gmsh would try for hours. If the bounding box is inconclusive a coarse mesh decides.
+/// Throws UserError if mesh.size is ten times larger than the body or would result in more than 1e8 cells,
+/// for which gmsh would need hours. `opened`: file from which the current model was just read. Where the
+/// bounding box is inconclusive, a coarse mesh measures the body.
 void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   constexpr double most = 1e8, suspicious = 1e7;
   const int dim = gmsh::model::getDimension();
@@ -119,7 +122,7 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   constexpr double coarsest = 10; // times the body
   if (*mesh.size > coarsest * (metres * longest))
     throw UserError(fmt::format("mesh.size: found {:.4g} m; expected at most {:.3g} m for a body of {:.3g} m "
-                                "(in metres, whatever mesh.unit is)",
+                                "(mesh.size is in metres for every mesh.unit)",
                                 *mesh.size, coarsest * (metres * longest), metres * longest));
   const double size = *mesh.size / metres,
                cell = std::pow(size, dim) *
@@ -128,8 +131,9 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
     return;
   const double cells = measure(dim, longest / (dim == 2 ? 20 : 8)) / cell;
   if (!(cells <= most))
-    throw UserError(fmt::format("mesh.size: found {:.4g} m, some {:.1e} cells of a body of {:.3g} m; the "
-                                "limit is {:.0e} cells (a file in millimetres needs mesh.unit = \"mm\")",
+    throw UserError(fmt::format("mesh.size: found {:.4g} m, which gives about {:.1e} cells for a body of "
+                                "{:.3g} m. The limit is {:.0e} cells (a file in millimetres needs mesh.unit "
+                                "= \"mm\")",
                                 *mesh.size, cells, metres * longest, most));
   gmsh::clear();
   gmsh::logger::stop(); // messages on the coarse mesh do not matter
@@ -137,8 +141,8 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   gmsh::open(opened);
 }
 
-/// Resets options by which a .geo selects other cells than straight simplices; returns a note for each that
-/// it had set. Cells are straight in any case, and the degree is the scene's.
+/// Resets the options of a .geo that select cells other than straight simplices, and returns a note for each
+/// option that was set. Cells are always straight, and the degree comes from the scene.
 std::vector<std::string> ask_for_straight_simplices() {
   std::vector<std::string> notes;
   for (const auto& [option, value] :
@@ -156,8 +160,8 @@ std::vector<std::string> ask_for_straight_simplices() {
   return notes;
 }
 
-/// Throws UserError for a .geo whose last line has several statements and no end: gmsh drops all but the
-/// first without a message.
+/// Throws UserError for a .geo whose last line has several statements and no line end, since gmsh silently
+/// drops all statements of such a line but the first.
 void require_last_line(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -166,18 +170,18 @@ void require_last_line(const std::string& file) {
   const std::size_t next = first == std::string::npos ? first : last.find_first_not_of(" \t\r", first + 1);
   if (next != std::string::npos && last.compare(next, 2, "//") != 0)
     throw UserError(
-        fmt::format("{}: its last line has several statements and no end, of which gmsh reads only "
-                    "the first; end it with a newline",
+        fmt::format("{}: the last line has several statements but no newline, so gmsh reads only the first; "
+                    "add a newline",
                     file));
 }
 
-/// Joins the partitions of a mesh, without ghost cells, which are copies.
+/// Joins the partitions of a mesh and drops their ghost cells, which are copies.
 void join_partitions() {
   if (gmsh::model::getNumberOfPartitions() > 0)
     gmsh::model::mesh::unpartition();
 }
 
-/// Throws UserError if gmsh has dropped elements or nodes, as it does if two have one number.
+/// Throws UserError if gmsh has dropped elements or nodes, which happens if two of them have the same number.
 void require_all(const MshFile& msh, const std::string& file) {
   std::vector<int> types;
   std::vector<std::vector<Tag>> elements, nodes;
@@ -187,21 +191,20 @@ void require_all(const MshFile& msh, const std::string& file) {
     read += block.size();
   if (read < msh.elements())
     throw UserError(
-        fmt::format("{}: announces {} elements, of which {} have numbers of their own; number them "
-                    "anew, each once",
+        fmt::format("{}: announces {} elements, but has only {} different element numbers; renumber them",
                     file, msh.elements(), read));
   std::vector<std::string> log;
   gmsh::logger::get(log);
   constexpr std::string_view dropped = "Skipping duplicate node ";
   for (const std::string& line : log)
     if (const std::size_t at = line.find(dropped); at != std::string::npos)
-      throw UserError(fmt::format("{}: has node {} twice; number nodes anew, each once", file,
+      throw UserError(fmt::format("{}: node number {} occurs twice; renumber the nodes", file,
                                   line.substr(at + dropped.size())));
 }
 
-/// Removes the mesh that a .geo has made itself (Mesh 2; Save …), which gmsh would keep for any size. Returns
-/// false if there is nothing else, as with a mesh that the .geo merges. Throws UserError if the scene sets a
-/// size then.
+/// Returns whether gmsh has to mesh the model of a .geo. Removes a mesh that the .geo has generated itself
+/// (Mesh 2; Save …), since gmsh would keep it for every size. Returns false if the model has only a mesh, for
+/// example one that the .geo merges. Throws UserError if it has only a mesh and the scene sets a size.
 bool is_to_be_meshed(const scene::Mesh& mesh) {
   std::vector<std::size_t> nodes;
   std::vector<double> coordinates, parameters;
@@ -219,7 +222,7 @@ bool is_to_be_meshed(const scene::Mesh& mesh) {
     gmsh::model::mesh::clear();
   else if (mesh.size || mesh.automatic() || mesh.scale != 1)
     throw UserError(fmt::format("mesh.size: has no effect on {}, which merges a mesh and has no geometry; "
-                                "remove it, or use a .geo that has one",
+                                "remove mesh.size, or use a .geo with a geometry",
                                 mesh.file.string()));
   return !discrete;
 }
@@ -238,7 +241,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
     if (const std::size_t at = said.find(opened); at != std::string::npos)
       said.replace(at, opened.size(), file);
     return UserError(fmt::format("{}: gmsh cannot read it: {}{}", file, said,
-                                 msh ? "; write it anew, with gmsh or as MSH 2.2" : ""));
+                                 msh ? "; write the file again, with gmsh or as MSH 2.2" : ""));
   };
   const Session session;
   std::vector<std::string> notes;
@@ -287,7 +290,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
 
 namespace {
 
-/// Adds the groups of one dimension to gmsh: elements that are in the same ones make an entity.
+/// Adds the elements and groups of one dimension to gmsh's model. Elements with the same groups form one
+/// entity.
 void add_entities(int dim, const std::vector<std::int64_t>& elements,
                   const std::vector<std::vector<std::string>>& groups) {
   const auto corners = static_cast<std::size_t>(dim) + 1;

@@ -37,7 +37,8 @@ RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
                     mesh.file.string()));
   if (answer->empty())
     throw UserError(
-        fmt::format("{}: gmsh ended before the end of this file; take out what ends it, such as Exit",
+        fmt::format("{}: gmsh stopped before the end of this file; remove the command that stops it, such as "
+                    "Exit",
                     mesh.file.string()));
   if (answer->front() == failed)
     throw UserError(answer->substr(1));

@@ -8,21 +8,21 @@
 
 namespace signorini::mesh {
 
-/// Request to the program signorini-gmsh: to read or mesh a file, or to write one.
+/// Request to the program signorini-gmsh: either to read or mesh a file, or to write one.
 struct GmshRequest {
-  scene::Mesh mesh; ///< the file and how it is meshed; its degree does not matter
+  scene::Mesh mesh; ///< the file, and how to mesh it; mesh.degree is not sent
   std::optional<SizeField> sizes{};
   std::filesystem::path keep{};
-  std::optional<RawMesh> written{}; ///< mesh to write to the file, in place of reading it
+  std::optional<RawMesh> written{}; ///< mesh to write to the file; absent for requests to read
 };
 
 std::string packed(const GmshRequest& request);
 
-/// Inverse of packed(). Throws std::exception.
+/// Decodes the request from the result of packed(). Throws std::exception if the bytes are invalid.
 GmshRequest request_of(const std::string& bytes);
 
-/// First byte of an answer: `done`, followed by the packed mesh if there is one, or `failed`, followed by the
-/// error.
+/// First byte of an answer: after `done` follows the packed mesh, if the request was to read; after `failed`
+/// follows the text of the error.
 constexpr char done = 'm', failed = 'e';
 
 } // namespace signorini::mesh

@@ -36,8 +36,8 @@ std::array<double, 3> bounding_box(const RawMesh& raw) {
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
-/// This rank's facets, local indices ascending, of a list on rank 0 (facets × dim, nodes of the file).
-/// Collective.
+/// Distributes facets from a list on rank 0 (facets × dim, nodes of the file). Returns the local indices of
+/// those that this rank has, ascending. Collective.
 std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
                                        const std::vector<std::int64_t>& facets) {
   const auto topology = mesh.topology();
@@ -55,7 +55,8 @@ std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
   return local;
 }
 
-/// The cells that this rank owns of `ranges` of the file's cells (ranges × 2), local indices ascending.
+/// Local indices, ascending, of the cells that this rank owns among `ranges` of the file's cells (ranges ×
+/// 2).
 std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
                                    const std::vector<std::int64_t>& ranges) {
   const std::vector<std::int64_t>& row = topology.original_cell_index.front();
@@ -66,7 +67,8 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
   return cells;
 }
 
-/// Writes a mesh, and returns it as read again, with the order of cells in the file.
+/// Writes a mesh to a file, reads the file again and returns that mesh, whose cells are in the order of the
+/// file.
 RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path& file) {
   write_msh(raw, file, scene.unit);
   scene.file = file;

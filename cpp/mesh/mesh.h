@@ -20,18 +20,19 @@ namespace signorini::mesh {
 
 struct SizeField;
 
-/// Options for meshing a file, beside the scene's.
+/// Options for meshing a file that are not in the scene.
 struct Meshing {
-  const SizeField* sizes = nullptr; ///< replaces mesh.size, or refines a .msh; read on rank 0
-  std::filesystem::path keep{};     ///< path to write the mesh to as a .msh, in the file's unit; empty: none
+  const SizeField* sizes = nullptr; ///< replaces mesh.size, or refines a .msh; used on rank 0 only
+  std::filesystem::path keep{};     ///< .msh file to write the mesh to, in the unit mesh.unit; none if empty
 };
 
-/// A distributed mesh of straight simplices with named groups of cells (parts of the body) and of facets
+/// Distributed mesh of straight simplices, with named groups of cells (parts of the body) and of facets
 /// (surfaces).
 class Mesh {
 public:
-  /// Reads a .geo or .msh on rank 0 and distributes it. Collective. Throws UserError, or Interrupted if a
-  /// rank was asked to stop meanwhile, on every rank alike.
+  /// Reads a .msh file or meshes a .geo file on rank 0 and distributes the result. Collective. Throws
+  /// UserError, or Interrupted if a stop of any rank is requested meanwhile; every rank throws the same
+  /// exception.
   Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing = {});
 
   /// Space dimension.
@@ -39,34 +40,35 @@ public:
 
   /// Sides of the bounding box, m.
   [[nodiscard]] const std::array<double, 3>& extent() const { return extent_; }
-  /// Diagonal of the bounding box, m: the reference length of tolerances for gaps.
+  /// Diagonal of the bounding box, m: the reference length for tolerances of gaps.
   [[nodiscard]] double diameter() const { return std::hypot(extent_[0], extent_[1], extent_[2]); }
 
   /// Number of cells on all ranks.
   [[nodiscard]] std::int64_t cells() const { return cells_; }
 
-  /// Cells that this rank owns, local indices ascending.
+  /// Local indices of the cells that this rank owns, ascending.
   [[nodiscard]] std::vector<std::int32_t> owned_cells() const;
 
-  /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if
-  /// there is no such group or it is empty; the same on every rank.
+  /// Local indices of this rank's facets in a boundary group, ascending. Throws UserError, which names the
+  /// scene's `key`, on every rank if the group is missing, empty or unusable.
   [[nodiscard]] const std::vector<std::int32_t>& facets(const std::string& group,
                                                         const std::string& key) const;
 
-  /// The cells of a part of the body that this rank owns, local indices ascending. Throws UserError like
-  /// facets().
+  /// Local indices of the cells that this rank owns in a part of the body (a group of cells), ascending.
+  /// Throws UserError, which names the scene's `key`, on every rank if the group is missing, empty or
+  /// unusable.
   [[nodiscard]] const std::vector<std::int32_t>& cells(const std::string& group,
                                                        const std::string& key) const;
 
-  /// Dimension of a group: dim() of a part of the body, dim() − 1 of a boundary group. Throws UserError,
-  /// naming the scene's `key`, if no such group has elements or if both kinds have one of that name; the same
-  /// on every rank.
+  /// Dimension of a group: dim() for a part of the body, dim() − 1 for a boundary group. Throws UserError,
+  /// which names the scene's `key`, on every rank: if the group is missing, empty or unusable, or if there
+  /// are groups of both dimensions with this name.
   [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
-  /// Digest of points, cells and groups as read, which identifies the mesh; empty on ranks other than 0.
+  /// Digest of the points, cells and groups, which identifies the mesh; empty on ranks other than 0.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 
-  /// Notes on how ambiguities of the file were resolved, a sentence each; empty on ranks other than 0.
+  /// Notes on how ambiguities of the mesh file were resolved, one sentence each; empty on ranks other than 0.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
@@ -81,12 +83,12 @@ private:
   std::int64_t cells_ = 0;
   std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;
   struct Group {
-    std::vector<std::int32_t> entities; ///< on this rank; empty for groups of neither cells nor facets
-    bool empty = true;                  ///< whether it has no elements in the file
-    std::string unusable{};             ///< why it is unusable, if it is
+    std::vector<std::int32_t> entities; ///< local indices; empty for groups of lower dimensions
+    bool empty = true;                  ///< whether the group has no elements in the file
+    std::string unusable{};             ///< reason why the group is unusable; empty if it is usable
   };
   using Groups = std::map<std::string, Group>;
-  std::array<Groups, 4> groups_; ///< by dimension
+  std::array<Groups, 4> groups_; ///< groups of each dimension 0 … 3
 
   [[nodiscard]] int find(const std::string& group, const std::string& key,
                          const std::vector<int>& dims) const;

@@ -29,7 +29,7 @@ std::string_view without_end_of_line(std::string_view line) {
   return line.substr(0, line.find_last_not_of(blank) + 1);
 }
 
-/// Throws UserError unless the file begins with $MeshFormat, or with comments, which gmsh accepts before it.
+/// Throws UserError unless the file begins with $MeshFormat or with $Comments, which gmsh accepts before it.
 void require_beginning(const std::string& file, std::string_view text) {
   constexpr std::array beginnings{std::string_view("$MeshFormat"), std::string_view("$Comments")};
   const std::string_view line = without_end_of_line(text.substr(0, text.find('\n')));
@@ -47,8 +47,8 @@ void require_beginning(const std::string& file, std::string_view text) {
                                                          line.size() > shown ? "..." : "")));
 }
 
-/// Throws UserError unless the last section that begins also ends: gmsh may accept a truncated file without
-/// an error. Binary data may end without the end of a line, and text may stand behind all sections.
+/// Throws UserError unless the last section of the file has its end, since gmsh may read a truncated file
+/// without an error. Binary data may lack the final line end, and text may follow the last section.
 void require_end(const std::string& file, std::string_view text) {
   const std::size_t end = text.rfind("$End");
   std::size_t begin = text.rfind("\n$");
@@ -57,11 +57,11 @@ void require_end(const std::string& file, std::string_view text) {
     begin = text.rfind("\n$", begin - 1);
   if (end != std::string_view::npos && (begin == std::string_view::npos || begin < end))
     return;
-  throw UserError(
-      fmt::format("{}: not a whole .msh file: it lacks the end of a section ($End...); write it anew", file));
+  throw UserError(fmt::format(
+      "{}: incomplete .msh file: the end of a section ($End...) is missing; write the file again", file));
 }
 
-/// Text that follows a heading such as $MeshFormat, where a number is expected.
+/// Text that follows a heading such as $MeshFormat, at the place where a number is expected.
 std::string behind(std::string_view heading, std::string_view text) {
   constexpr std::size_t longest = 20;
   const std::size_t at = text.find(heading);

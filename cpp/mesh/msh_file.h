@@ -8,28 +8,28 @@
 
 namespace signorini::mesh {
 
-/// Validated copy of a .msh in memory, which gmsh reads in place of the file. gmsh itself would run a file
-/// that does not begin as a mesh as a script, and the options of a file beside it (x.msh.opt). The validated
-/// text is what gmsh reads, even if the file changes.
+/// Validated copy of a .msh file in memory, which gmsh reads instead of the file. gmsh would execute a file
+/// that does not begin as a mesh as a script, and would read the options in a file x.msh.opt beside it. Since
+/// gmsh reads the copy, later changes of the file have no effect.
 class MshFile {
 public:
-  /// Throws UserError for a file that cannot be read, does not begin as MSH, is truncated or does not fit
-  /// into memory. Not collective.
+  /// Copies and validates the file. Throws UserError if the file cannot be read, does not begin as MSH, is
+  /// truncated or does not fit into memory. Not collective.
   explicit MshFile(const std::filesystem::path& file);
   ~MshFile();
   MshFile(const MshFile&) = delete;
   MshFile& operator=(const MshFile&) = delete;
 
-  /// Path under which this process can open the copy; unrelated to the file's own.
+  /// Path under which this process can open the copy; unrelated to the path of the file.
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// Version of its format, such as 2.2 or 4.1.
+  /// Version of the file's MSH format, such as 2.2 or 4.1.
   [[nodiscard]] double version() const { return version_; }
-  /// Number of elements that the file announces, 0 if its format does not.
+  /// Number of elements that a file of MSH 2 announces; 0 for other versions.
   [[nodiscard]] std::size_t elements() const { return elements_; }
 
   using GroupNames = std::map<std::pair<int, int>, std::string>; ///< dimension and number → name
-  /// Names of groups: gmsh drops a name that a second group has too.
+  /// Names of the physical groups, by dimension and number. gmsh itself loses a name that two groups have.
   [[nodiscard]] const GroupNames& group_names() const { return group_names_; }
 
 private:

@@ -8,25 +8,27 @@
 
 namespace signorini::mesh {
 
-/// A mesh of straight simplices as gmsh returns it, not distributed.
+/// Undistributed mesh of straight simplices, as gmsh provides it.
 struct RawMesh {
   int dim = 0;                     ///< 2 or 3
-  std::vector<double> points;      ///< (nodes × 3), m; only nodes that a cell uses
-  std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
-  /// Boundary group → (facets × dim), rows into points.
+  std::vector<double> points;      ///< (nodes × 3), m; only nodes that belong to a cell
+  std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows of `points`
+  /// Name of a boundary group → its facets (facets × dim), rows of `points`.
   std::map<std::string, std::vector<std::int64_t>> facets;
-  /// Group of cells → (ranges × 2), ascending: first row into cells and one past the last.
+  /// Name of a group of cells → its ranges of rows of `cells` (ranges × 2), ascending: first row, last row +
+  /// 1.
   std::map<std::string, std::vector<std::int64_t>> parts;
-  std::map<std::string, int> other_groups; ///< groups of lower dimensions → that dimension
-  /// Dimension → group of cells or facets that cannot be used → why, as a predicate with what to do.
+  std::map<std::string, int> other_groups; ///< names of groups of lower dimensions → dimension
+  /// Dimension → name of an unusable group of cells or facets → reason and remedy, as the predicate of a
+  /// sentence.
   std::map<int, std::map<std::string, std::string>> unusable;
-  std::vector<std::string> notes; ///< how ambiguities of the file were resolved, a sentence each
+  std::vector<std::string> notes; ///< how ambiguities of the file were resolved, one sentence each
 };
 
-/// Serialises a mesh to bytes, for another process on this machine or a digest.
+/// Serialises a mesh to bytes, as input for another process on this machine or for a digest.
 std::string packed(const RawMesh& mesh);
 
-/// Inverse of packed(). Throws std::logic_error if the bytes are too few.
+/// Decodes a mesh from the result of packed(). Throws std::logic_error if bytes are missing.
 RawMesh unpacked(std::string_view bytes);
 
 } // namespace signorini::mesh

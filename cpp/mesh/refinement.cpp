@@ -25,7 +25,7 @@ double distance(const Coordinates& a, const Coordinates& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// Size at the node of a field that is nearest to a point.
+/// Returns the size at the node of a field that is nearest to a given point.
 class NearestSize {
 public:
   explicit NearestSize(const SizeField& field) {
@@ -54,10 +54,11 @@ public:
   }
 
 private:
-  std::multimap<double, std::pair<Coordinates, double>> nodes_; ///< point and size of each node, by x
+  std::multimap<double, std::pair<Coordinates, double>> nodes_; ///< x → position and size of a node
 };
 
-/// One division of the edges of a mesh that are too long, and of the further edges that this requires.
+/// One round of refinement: divides the edges that are too long, and further edges where conformity requires
+/// it.
 class Division {
 public:
   explicit Division(const RawMesh& raw)
@@ -71,7 +72,7 @@ public:
     topology_.create_connectivity(raw.dim, raw.dim - 1);
   }
 
-  /// Edges that are too long, local indices.
+  /// Local indices of the edges that are too long for the sizes of a field.
   [[nodiscard]] std::vector<std::int32_t> too_long(const NearestSize& size) const {
     const std::vector<std::int64_t> ends = nodes(1);
     std::vector<std::int32_t> edges;
@@ -122,7 +123,7 @@ private:
     return {x[0], x[1], x[2]};
   }
 
-  /// Rows of the corners of all edges or facets.
+  /// Rows of the corners of all edges (d = 1) or facets (d = dim − 1) in the points of the mesh.
   [[nodiscard]] std::vector<std::int64_t> nodes(int d) const {
     std::vector<std::int32_t> all(static_cast<std::size_t>(topology_.index_map(d)->size_local()));
     std::iota(all.begin(), all.end(), 0);
@@ -135,7 +136,8 @@ private:
     return found;
   }
 
-  /// Adds the groups of facets, by their parents.
+  /// Adds the boundary groups to the refined mesh: a facet is in the groups of the facet that it is a part
+  /// of.
   template <class Cells>
   void add_facets(const Cells& cells, const std::vector<std::int32_t>& parents,
                   const std::vector<std::int8_t>& of_parents, RawMesh& fine) const {

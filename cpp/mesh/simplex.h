@@ -6,12 +6,13 @@
 
 namespace signorini::mesh {
 
-/// Affine map x = corner + J ξ of a straight triangle in the plane z = 0, or of a tetrahedron.
+/// Affine map x = corner + J ξ from the reference simplex to a straight triangle in the plane z = 0 or a
+/// tetrahedron.
 class Simplex {
 public:
   using Point = signorini::Point;
 
-  /// `vertex(i)` points to the coordinates of vertex i.
+  /// `vertex(i)` returns the address of the three coordinates of vertex i, m.
   template <class Vertex>
   Simplex(int dim, Vertex&& vertex) : dim_(dim) {
     for (int k = 0; k < 3; ++k)
@@ -28,10 +29,10 @@ public:
     determinant_ = dot(a, dual_[0]);
   }
 
-  /// det J, whose sign depends on the order of the vertices.
+  /// det J, m^dim; its sign depends on the order of the vertices.
   [[nodiscard]] double determinant() const { return determinant_; }
 
-  /// Product of the lengths of the edges from vertex 0, m^dim.
+  /// Product of the lengths of the edges at vertex 0, m^dim: the scale of volume().
   [[nodiscard]] double edge_product() const {
     double product = 1;
     for (int e = 0; e < dim_; ++e)
@@ -39,7 +40,7 @@ public:
     return product;
   }
 
-  /// |det J|, which is dim! times the volume, m^dim.
+  /// |det J|, m^dim: dim! times the area or volume of the simplex.
   [[nodiscard]] double volume() const { return std::abs(determinant_); }
 
   /// Gradient of the barycentric coordinate of vertex i, 1/m.
@@ -51,14 +52,14 @@ public:
     return g;
   }
 
-  /// Reference coordinates ξ of a point x (3), inside or not.
+  /// Reference coordinates ξ of a point x (3), which may be outside the simplex.
   [[nodiscard]] Point reference(const double* x) const {
     const Point from{x[0] - corner_[0], x[1] - corner_[1], x[2] - corner_[2]};
     return {dot(dual_[0], from) / determinant_, dot(dual_[1], from) / determinant_,
             dot(dual_[2], from) / determinant_};
   }
 
-  /// The point x at ξ (dim), m.
+  /// Point x (m) with the reference coordinates ξ (dim).
   [[nodiscard]] Point point(const double* xi) const {
     Point x = corner_;
     for (int e = 0; e < dim_; ++e)
@@ -70,7 +71,7 @@ public:
 private:
   int dim_;
   Point corner_{};
-  std::array<Point, 3> edges_{}, dual_{}; ///< columns of J, rows of det(J) J⁻¹
+  std::array<Point, 3> edges_{}, dual_{}; ///< columns of J; rows of det(J) J⁻¹
   double determinant_ = 0;
 };
 

@@ -17,7 +17,7 @@ namespace signorini::mesh {
 
 namespace {
 
-/// Edge of the regular simplex of this area or volume.
+/// Edge length of the regular triangle or tetrahedron with this area or volume.
 double edge_of(int dim, double volume) {
   return dim == 2 ? std::sqrt(4 / std::sqrt(3.0) * volume) : std::cbrt(12 / std::sqrt(2.0) * volume);
 }
@@ -48,7 +48,7 @@ Point point(const SizeField& field, std::size_t node) {
 
 } // namespace
 
-SizeField gathered(const Mesh& mesh, std::span<const double> numbers, std::vector<double>& all) {
+SizeField gather_cells(const Mesh& mesh, std::span<const double> numbers, std::vector<double>& all) {
   const auto& geometry = mesh.dolfinx()->geometry();
   const auto dofmap = dolfinx_versions::cell_nodes(geometry);
   const auto corners = static_cast<std::size_t>(mesh.dim()) + 1;
@@ -173,7 +173,7 @@ std::string geo_with_sizes(const SizeField& field, const std::filesystem::path& 
 
 SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double reduction, double reach) {
   std::vector<double> error;
-  SizeField field = gathered(mesh, indicators, error);
+  SizeField field = gather_cells(mesh, indicators, error);
   return rank(mesh.comm()) == 0 ? sizes_by(std::move(field), error, reduction, reach) : SizeField{};
 }
 
@@ -187,10 +187,10 @@ void for_each_corner(const SizeField& field, Take&& take) {
     take(i / corners, static_cast<std::size_t>(field.cells[i]));
 }
 
-/// Means over the cells at each node, since indicators of single cells are noisy.
+/// Means over the cells at each node, which are smoother than the indicators of single cells.
 struct NodeMeans {
   std::vector<double> size,
-      density; ///< edge, m; error per edge^(dim + 2), above 0 unless there is none at all
+      density; ///< edge length, m; error per edge^(dim + 2), positive unless the error is zero
 };
 
 NodeMeans node_means(const SizeField& field, const std::vector<double>& error,

@@ -6,21 +6,23 @@
 
 namespace signorini::optimize {
 
-/// Descent among kinks by a bundle method (Lemaréchal 1978). Where J at the minimiser of the model is too
-/// high, the gradient there becomes another cut (null step), until the model leads down (serious step). The
-/// last steps are Newton's along the edge where smooth selections of J meet; a certificate ends them. A step
-/// consists of rounds; between two rounds it can be stored and vectors can be dropped.
+/// Bundle method for descent among kinks of J (Lemaréchal 1978). If J at the minimiser of its model is too
+/// high, the gradient there becomes another cut (null step). This repeats until the model's minimiser
+/// decreases J (serious step). The last steps are Newton steps along the edge where smooth selections of J
+/// meet; a certificate ends them. A step consists of rounds; between two rounds the method can be stored, and
+/// vectors can be dropped.
 template <TwiceDifferentiable P>
 class BundleMethod {
 public:
   using Vector = typename P::Vector;
 
-  /// Starts from the cut of `at` alone. `length`: of a long step, to which radii of balls are relative.
+  /// Starts the method at `at`, with the cut there as the only one. `length`: length of a long step; radii of
+  /// balls are relative to it.
   BundleMethod(const Options& options, const P& problem, const Iterate<P>& at, double length)
       : options_(options), length_(length), bounds_at_(share(at.u)), held_{share(negative(at.g))},
         span_(options.bundle.dependent), model_(options.bundle, {cut(problem, at.g)}) {}
 
-  /// Makes an empty method, to be read from an archive by serialize().
+  /// Creates an empty method, to be read from an archive by serialize().
   explicit BundleMethod(const Options& options)
       : options_(options), span_(options.bundle.dependent), model_(options.bundle, {}) {}
 
@@ -45,15 +47,15 @@ public:
 
   /// Result of a round: a new iterate by a serious step, a certificate of stationarity, or neither.
   struct Step {
-    std::optional<Iterate<P>> found{}; ///< new iterate, which is the problem's trial
-    bool at_other_bounds = false;      ///< the new iterate is at further bounds than the blocked ones
+    std::optional<Iterate<P>> found{}; ///< new iterate; it is also the problem's trial
+    bool at_other_bounds = false;      ///< whether the new iterate is at more bounds than the blocked values
     std::optional<Certificate<Vector>> certificate{};
-    bool over = false; ///< no result, and further rounds would find none
+    bool over = false;                                         ///< no result now, and none in further rounds
     double promised = std::numeric_limits<double>::infinity(); ///< predicted decrease of a serious step
   };
 
-  /// Makes one round of a step from `at`, the start of the method or the end of the last serious step. A
-  /// certificate is at most as long as the tolerance of the options times `first_norm`.
+  /// Makes one round of a step from `at`, which is the start of the method or the end of the last serious
+  /// step. A certificate's length is at most the tolerance of the options times `first_norm`.
   Step round(P& problem, const Iterate<P>& at, double first_norm) {
     const BundleOptions& options = options_.bundle;
     const double wanted = options_.tolerance * first_norm,
@@ -92,7 +94,7 @@ public:
     return {};
   }
 
-  /// Restricts the subspace if it has almost as many vectors as may be stored.
+  /// Restricts the subspace if it has nearly as many vectors as may be stored.
   void make_room() {
     const BundleOptions& options = options_.bundle;
     const std::size_t most = std::min(options.dimension, options_.vectors);
@@ -101,10 +103,11 @@ public:
       span_.restrict(model_.restrict(part(options.restricted), part(options.carried), certificate_ball()));
   }
 
+  /// Number of dimensions of the subspace, which is the number of stored vectors.
   [[nodiscard]] std::size_t dimension() const { return span_.dimension(); }
 
 private:
-  /// Radius of a certificate.
+  /// Returns the radius of the ball in which a certificate gathers gradients.
   double certificate_ball() const { return Options::ball(options_.tolerance) * length_; }
 
   /// Returns the step that ends the rounds.
@@ -117,23 +120,24 @@ private:
     return x;
   }
 
-  /// Coordinates of the values of a gradient that are not blocked.
+  /// Returns the coordinates of the gradient g without its blocked values.
   Coordinates coordinates(const P& problem, Vector g) {
     return span_.coordinates(problem, unblocked(problem, std::move(g)));
   }
 
-  /// Cut of a gradient at the current point.
+  /// Returns the cut of the gradient g at the current point.
   Cut cut(const P& problem, const Vector& g) {
     const Coordinates here = coordinates(problem, g);
     return {here, here, {}, 0};
   }
 
+  /// A point projected onto the bounds.
   struct BoundedPoint {
     Vector u;                        ///< point within the bounds
     std::optional<Vector> outside{}; ///< part beyond the bounds
   };
 
-  /// Returns the point at t times an offset, projected onto the bounds.
+  /// Returns the point `at` plus t times `offset`, projected onto the bounds.
   static BoundedPoint point(const P& problem, const Iterate<P>& at, double t, const Vector& offset) {
     Vector u = at.u;
     u.add(t, offset);
@@ -149,16 +153,16 @@ private:
     return point(problem, at, 1, span_.vector(offset, at.u));
   }
 
-  /// Length of the part of d that pushes values out of the bounds at u.
+  /// Returns the length of the part of d that points out of the bounds at u.
   static double outward(const P& problem, const Vector& u, const Vector& d) {
     if (!problem.bounded())
       return 0;
     return norm(problem, difference(tangential(problem, u, d), d));
   }
 
-  /// Returns the certificate of these weights of the cuts if newly evaluated gradients confirm it. Otherwise
-  /// these gradients become the cuts of a new model, with only the values blocked that their combination
-  /// pushes out of the bounds.
+  /// Returns the certificate with these weights of the cuts if newly evaluated gradients confirm it.
+  /// Otherwise these gradients become the cuts of a new model, in which only those values are blocked that
+  /// their combination pushes out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
                                                const std::vector<double>& weights, double tolerance) {
     std::vector<Cut> gathered_anew; // in full, including blocked values
@@ -192,7 +196,7 @@ private:
     return std::nullopt;
   }
 
-  /// Blocks in addition the values that d pushes out of the bounds.
+  /// Also blocks the values that d pushes out of the bounds.
   void block(const P& problem, const Vector& d) {
     held_.push_back(share(d));
     const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
@@ -206,7 +210,7 @@ private:
   }
 
   /// Returns the minimiser of the model, and its vector unless it is zero. Adds Hessian products until the
-  /// model's curvature along the direction is accurate.
+  /// model's curvature along the direction is accurate or their number reaches its limit.
   std::pair<Direction, std::optional<Vector>> downhill(P& problem, const Iterate<P>& at) {
     for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
@@ -225,8 +229,8 @@ private:
     }
   }
 
-  /// Tries the direction, whose vector is d, at decreasing lengths: the first that leads down makes a serious
-  /// step, others make null steps.
+  /// Tries the direction, whose vector is d, at decreasing lengths. The first length that decreases J makes a
+  /// serious step; others make null steps.
   Step follow(P& problem, const Iterate<P>& at, const Direction& direction, const Vector& d) {
     const BundleOptions& options = options_.bundle;
     int null_steps = 0;
@@ -254,8 +258,8 @@ private:
     return {};
   }
 
-  /// Replaces cuts that carry the model's minimum with these weights and were gathered farther than
-  /// `distance` from the current point. The new cuts are gathered at that distance, where each old one is the
+  /// Replaces cuts that were gathered farther than `distance` from the current point and carry the model's
+  /// minimum with these weights. For each, gathers a new gradient at that distance, where the old cut is the
   /// highest.
   void gather_around(P& problem, const Iterate<P>& at, const std::vector<double>& weights, double distance) {
     for (Coordinates& offset : model_.drop_distant(weights, distance)) {
@@ -273,9 +277,10 @@ private:
   std::vector<Shared<Vector>> held_; ///< directions that push blocked values out at bounds_at_
   Span<P> span_;
   BundleModel model_;
-  int rounds_ = 0, unconfirmed_ = 0;            ///< numbers in the step so far
-  double distance_ = 0;                         ///< last distance of gathered gradients; 0: none yet
-  std::optional<Certificate<Vector>> smooth_{}; ///< valid, but J may descend within one smooth selection
+  int rounds_ = 0, unconfirmed_ = 0; ///< numbers of rounds and unconfirmed certificates in the present step
+  double distance_ = 0;              ///< distance at which gradients were gathered last; 0: none yet
+  /// Valid certificate, but J may descend within one smooth selection.
+  std::optional<Certificate<Vector>> smooth_{};
 };
 
 } // namespace signorini::optimize

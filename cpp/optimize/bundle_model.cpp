@@ -47,7 +47,7 @@ std::optional<std::vector<double>> Curvature::matrix(std::size_t n) const {
 
 namespace {
 
-/// Gram matrix of vectors (m × m).
+/// Returns the Gram matrix of the vectors (m × m).
 std::vector<double> products(const std::vector<Coordinates>& vectors) {
   std::vector<double> all;
   for (const Coordinates& a : vectors)

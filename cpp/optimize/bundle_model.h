@@ -10,25 +10,26 @@
 
 namespace signorini::optimize {
 
-/// A symmetric positive definite approximation B of the Hessian from pairs of directions and their Hessian
-/// products, B D = Y, with the least curvature σ among these on the complement:
+/// Symmetric positive definite approximation B of the Hessian from directions d (columns of D) and their
+/// Hessian products y (columns of Y). B D = Y; on the complement of D, B is the least curvature σ of these
+/// pairs:
 ///     B = σ (I − D (DᵀD)⁻¹ Dᵀ) + Y (DᵀY)⁻¹ Yᵀ
 class Curvature {
 public:
-  /// Adds the pair H d = y, d·y > 0.
+  /// Adds the pair of a direction d and its Hessian product y, with d·y > 0.
   void learn(const Coordinates& d, const Coordinates& y);
 
-  /// The largest ‖y‖/‖d‖ of the pairs, at least their largest curvature; 1 without any.
+  /// Returns the largest ‖y‖/‖d‖ of all pairs added, an upper bound of their curvatures; 1 if there are none.
   [[nodiscard]] double largest() const { return largest_ > 0 ? largest_ : 1; }
   [[nodiscard]] bool empty() const { return known_.empty(); }
   void forget_oldest() { known_.erase(known_.begin()); }
 
-  /// Pairs (d, H d), the oldest first.
+  /// Returns the pairs (d, H d), the oldest first.
   [[nodiscard]] const std::vector<std::pair<Coordinates, Coordinates>>& pairs() const { return known_; }
-  /// Replaces the pairs; keeps the least and the largest curvature.
+  /// Replaces the pairs; the least and the largest curvature do not change.
   void set_pairs(std::vector<std::pair<Coordinates, Coordinates>> pairs) { known_ = std::move(pairs); }
 
-  /// B (n × n); none if DᵀD or DᵀY is not positive definite.
+  /// Returns B (n × n); nothing if DᵀD or DᵀY is not positive definite.
   [[nodiscard]] std::optional<std::vector<double>> matrix(std::size_t n) const;
 
   template <class Archive>
@@ -43,88 +44,91 @@ public:
 
 private:
   std::vector<std::pair<Coordinates, Coordinates>> known_;
-  double least_ = 1; ///< σ
+  double least_ = 1; ///< least curvature σ
   double largest_ = 0;
 };
 
-/// Linear function d ↦ g·d − e of the offset d from the current point, by a gradient of J gathered nearby.
+/// Linear lower model d ↦ g·d − e of J about the current point, from a gradient g of J gathered nearby; d is
+/// the offset from the current point.
 struct Cut {
-  Coordinates gathered;           ///< the gradient where it was evaluated
-  Coordinates here;               ///< g: the gradient moved to the current point by Hessian products
+  Coordinates gathered;           ///< gradient at the point of evaluation
+  Coordinates here;               ///< g: that gradient, moved to the current point by Hessian products
   Coordinates offset;             ///< point of evaluation minus current point
   double linearisation_error = 0; ///< e ≥ 0: distance of the cut below J at the current point
 };
 
-/// A convex combination of gradients of cuts.
+/// Convex combination of the gradients of cuts, with its length.
 struct Combination {
   double length = 0;
-  std::vector<double> weights; ///< weight of each cut, Σ = 1
+  std::vector<double> weights; ///< weight of each cut; their sum is 1
 };
 
 /// Returns the minimum-norm subgradient: the shortest convex combination of the gradients gathered within the
-/// ball of this radius around the current point (Goldstein 1977). The gradient at the current point, that of
-/// the first cut, is always among them. Throws SolverFailure if there is none, as for gradients that are not
-/// finite.
+/// ball of radius `radius` around the current point (Goldstein 1977). The first cut, with the gradient at the
+/// current point, is always included. Throws SolverFailure if there is none, for example because gradients
+/// are not finite.
 [[nodiscard]] Combination minimum_norm_subgradient(std::span<const Cut> cuts, double radius);
 
-/// max_i (g_i·d − e_i).
+/// Returns the value of the highest cut at the offset d, max_i (g_i·d − e_i).
 [[nodiscard]] double highest(std::span<const Cut> cuts, const Coordinates& d);
 
-/// Direction from the current point, with the prediction of a model of J.
+/// Direction d from the current point, and the decrease of J that a model predicts along it.
 struct Direction {
-  Coordinates d, Hd;       ///< H d is empty before a Hessian product
-  Combination subgradient; ///< subgradient of the model at d, without the curvature term
+  Coordinates d, Hd;       ///< d, and H d, which is empty before a Hessian product
+  Combination subgradient; ///< the model's subgradient at d, without the curvature term
   double predicted = 0;    ///< predicted decrease of J
 };
 
-/// Returns the minimiser d of max_i (g_i·d − e_i) + ½ d·Bd, by the dual quadratic program over the simplex;
-/// none if B (n × n) is not positive definite or the quadratic program is not solved.
+/// Returns the minimiser d of max_i (g_i·d − e_i) + ½ d·Bd, by the dual quadratic program over the simplex.
+/// Returns nothing if B (n × n) is not positive definite or the quadratic program cannot be solved.
 [[nodiscard]] std::optional<Direction> model_minimiser(std::span<const Cut> cuts, std::vector<double> B,
                                                        std::size_t n);
 
-/// Returns an offset of this length along which cut i rises above the others of `carrying`; none if there are
-/// no others or their edges with i are dependent.
+/// Returns an offset of length `length` along which cut i rises above the other cuts of `carrying`. Returns
+/// nothing if there are no others or the differences of their gradients from that of i are dependent.
 [[nodiscard]] std::optional<Coordinates> offset_above(std::span<const Cut> cuts, std::size_t i,
                                                       std::span<const std::size_t> carrying, double length);
 
-/// The model of a bundle method (Lemaréchal 1978) with the curvature of J (docs/method.md section 6), in
+/// Model of J in a bundle method (Lemaréchal 1978) with the curvature of J (docs/method.md section 6), in
 /// coordinates about the current point:
 ///     J(u + d) ≈ J(u) + max_i (g_i·d − e_i) + ½ d·Hd
-/// with cuts of gradients g_i and linearisation errors e_i ≥ 0. A single Hessian H suffices: the selections
-/// of a piecewise quadratic J have the same curvature along the edge where they meet.
+/// where cut i has the gradient g_i and the linearisation error e_i ≥ 0. A single Hessian H suffices, since
+/// the selections of a piecewise quadratic J have the same curvature along the edge where they meet.
 class BundleModel {
 public:
-  /// Makes a model without curvature. The first of the cuts is that of the current point.
+  /// Creates a model without curvature. The first of `cuts` is the cut of the current point.
   BundleModel(const BundleOptions& options, std::vector<Cut> cuts)
       : options_(options), cuts_(std::move(cuts)) {}
 
   [[nodiscard]] const std::vector<Cut>& cuts() const { return cuts_; }
   [[nodiscard]] const Curvature& curvature() const { return curvature_; }
 
-  /// Returns the minimiser in a space of n dimensions. Drops the oldest pairs of the curvature until H is
-  /// positive definite. Throws SolverFailure.
+  /// Returns the minimiser of the model in a space of n dimensions. Drops the oldest pairs of the curvature
+  /// until H is positive definite. Throws SolverFailure.
   [[nodiscard]] Direction minimise(std::size_t n);
 
-  /// Adds the Hessian product H d of a direction and corrects its predicted decrease. Returns whether the
-  /// curvature of the model was accurate along it.
+  /// Adds the Hessian product `Hd` of a direction to the curvature and corrects the direction's predicted
+  /// decrease. Returns whether the model's curvature was accurate along the direction.
   bool learn(Direction& direction, Coordinates Hd);
 
-  /// Null step: adds the cut of the gradient g of J at s, where J is lower by `decrease`. Returns the height
-  /// of the cut above J at the current point; the linearisation error is its modulus (Kiwiel 1985).
+  /// Makes a null step: adds the cut of the gradient g of J at the offset s, where J is lower than at the
+  /// current point by `decrease` (negative: higher). `Hs`: H s. Returns the height of the cut above J at the
+  /// current point; its modulus becomes the linearisation error (Kiwiel 1985).
   double null_step(const Coordinates& g, const Coordinates& s, const Coordinates& Hs, double decrease);
 
-  /// Serious step: moves the current point by s, where J is lower by `decrease` and has the gradient g.
+  /// Makes a serious step: moves the current point by s, where J is lower by `decrease` and has the gradient
+  /// g. `Hs`: H s.
   void serious_step(const Coordinates& g, const Coordinates& s, const Coordinates& Hs, double decrease);
 
   /// Drops cuts that carry the model's minimum with these weights and were gathered farther than `distance`
-  /// from the current point, since cuts of distant gradients may be invalid here. Returns an offset of that
-  /// length for each of them, where it is the highest.
+  /// from the current point, since cuts of distant gradients may be invalid here. For each dropped cut,
+  /// returns an offset of length `distance` at which it is the highest.
   std::vector<Coordinates> drop_distant(const std::vector<double>& weights, double distance);
 
-  /// Restricts the model to a subspace. The cuts that carry the minimum-norm subgradient of this radius take
-  /// up to `carried` dimensions. Then, up to `dimension` in all, follow the latest pairs of the curvature and
-  /// the cuts that are highest at the last minimiser; the rest is dropped. Returns an orthonormal basis of
-  /// the subspace, to which coordinates refer from now on.
+  /// Restricts the model to a subspace of at most `dimension` dimensions. Up to `carried` of these belong to
+  /// the cuts that carry the minimum-norm subgradient of radius `radius`. The remaining ones belong to the
+  /// latest pairs of the curvature and to the cuts that are highest at the last minimiser. All else is
+  /// dropped. Returns an orthonormal basis of the subspace; coordinates refer to that basis from now on.
   std::vector<Coordinates> restrict(std::size_t dimension, std::size_t carried, double radius);
 
   template <class Archive>
@@ -140,16 +144,16 @@ public:
   }
 
 private:
-  /// Drops the cut that is lowest at the last minimiser, if there are as many as may be stored. The cut of
-  /// the current point stays: without it the model would not interpolate J there.
+  /// Drops the cut that is lowest at the last minimiser if no further cut may be stored. The cut of the
+  /// current point stays: without it the model would not interpolate J there.
   void make_room();
-  /// g·d − e at the last minimiser d.
+  /// Returns the value g·d − e of a cut at the last minimiser d.
   [[nodiscard]] double at_minimiser(const Cut& cut) const;
 
   BundleOptions options_;
   Curvature curvature_;
   std::vector<Cut> cuts_;      ///< never empty: the first is that of the current point
-  Coordinates last_minimiser_; ///< offset from the current point
+  Coordinates last_minimiser_; ///< its offset from the current point
 };
 
 } // namespace signorini::optimize

@@ -7,24 +7,24 @@
 
 namespace signorini::optimize {
 
-/// A convex combination of the gradients of the last iterates, the latest first.
+/// Convex combination of the gradients of the last iterates, the latest first, with its length.
 struct PathCombination {
-  std::vector<double> weights; ///< Σ = 1
+  std::vector<double> weights; ///< weights of the iterates' gradients; their sum is 1
   double length = 0;
 };
 
 template <Differentiable P>
 struct Search {
-  std::optional<Iterate<P>> found; ///< accepted trial, which is the problem's too
+  std::optional<Iterate<P>> found; ///< accepted trial; it is also the problem's trial
   double length = 0;               ///< step length t
-  double promised = 0;             ///< decrease −slope/2 of a quadratic with its minimum at t = 1
-  bool solver_failed = false;      ///< a solver failed in the last trial
+  double promised = 0;             ///< −slope/2: decrease of a quadratic with its minimum at t = 1
+  bool solver_failed = false;      ///< whether a solver failed in the last trial
 };
 
-/// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), along the arc t ↦ P(u + t d), first at
-/// t = 1. It requires sufficient decrease and a slope above a part of the first, negative one. It never
-/// requires a small slope, so that it can end beyond a kink. `d` must be tangential. A trial at which a
-/// solver fails counts as too long.
+/// Searches for a step length along the arc t ↦ P(u + t d) by the weak Wolfe conditions with bisection and
+/// doubling (Lewis, Overton 2013); the first trial is t = 1. Requires sufficient decrease, and a slope above
+/// a fraction of the initial, negative slope. A small slope is not required, so that the search can end
+/// beyond a kink. `d` must be tangential to the bounds. A trial at which a solver fails counts as too long.
 template <Differentiable P>
 [[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d,
                                           const Options& options) {
@@ -41,7 +41,7 @@ template <Differentiable P>
     const std::optional<double> value = attempt(problem, trial);
     search.solver_failed = !value;
     const double decrease = from.objective - value.value_or(nan);
-    const auto tangent = [&] { // the decrease of J's tangent
+    const auto tangent = [&] { // decrease of J's tangent
       return problem.bounded() ? -problem.inner(from.g, difference(trial, from.u)) : -slope * t;
     };
     if (decrease > 0 && decrease >= sufficient * tangent()) {
@@ -64,15 +64,15 @@ template <Differentiable P>
   return search;
 }
 
-/// Line search along the descent directions of `Method`, until the gradients of the last iterates have a
-/// short convex combination. Where the search fails, the method restarts with steepest descent. Where that
-/// fails too, or steps have become short, as they do among kinks, a bundle method takes over; it ends the
-/// search with a certificate (docs/method.md section 6).
+/// Descent by line searches along the directions of `Method`, until the gradients of the last iterates have a
+/// short convex combination. If a search fails, the method restarts with steepest descent. If that fails too,
+/// or steps have become short, as they do among kinks, a bundle method takes over and ends with a certificate
+/// (docs/method.md section 6).
 ///
-/// `Method` provides direction(problem, at), tangential and as long as the first trial step; learn(problem,
-/// from, to, t), called after the step t along it; restart(), false if the last direction was steepest
-/// descent; store_at_most(vectors); serialize(archive); if it remembers the last iterates,
-/// path_combination(problem, at, radius) and before(at, steps).
+/// `Method` provides: direction(problem, at), tangential and as long as the first trial step; learn(problem,
+/// from, to, t), called after the step t along it; restart(), which returns false if the last direction was
+/// steepest descent; store_at_most(vectors); serialize(archive). A method that remembers the last iterates
+/// also provides path_combination(problem, at, radius) and before(at, steps).
 template <TwiceDifferentiable P, class Method>
 class Descent {
 public:
@@ -80,7 +80,8 @@ public:
 
   explicit Descent(const Options& options) : options_(options), method_(options) {}
 
-  /// Makes one iteration or, among kinks, one round of it, as minimize() defines.
+  /// Makes one iteration or, among kinks, one round of an iteration, as minimize() defines. Returns the
+  /// result if the search ends.
   std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
     std::optional<Iterate<P>> next;
@@ -137,15 +138,15 @@ public:
     return std::nullopt;
   }
 
-  /// Warm-starts from the same method on another problem in the same units, whose vectors `interpolate`
-  /// transfers to this one.
+  /// Takes over the state of the same method on another problem in the same units. `interpolate`: transfers
+  /// vectors of that problem to this one.
   template <class Interpolate>
   void inherit(const Descent& other, const P& problem, const Interpolate& interpolate) {
     longest_ = other.longest_;
     method_.inherit(other.method_, problem, interpolate);
   }
 
-  /// Drops vectors if almost as many are stored as may be.
+  /// Drops vectors if nearly as many are stored as may be.
   void make_room() {
     if (!bundle_)
       return;
@@ -171,7 +172,7 @@ public:
 private:
   using Step = typename BundleMethod<P>::Step;
 
-  /// Returns the certificate by newly evaluated gradients of the last iterates, if there is one.
+  /// Returns a certificate from newly evaluated gradients at the last iterates, if these confirm one.
   std::optional<Certificate<Vector>> path_certificate(P& problem, const Iterate<P>& at, double tolerance) {
     const double radius = Options::ball(options_.tolerance) * longest_;
     const auto combination = method_.path_combination(problem, at, radius);
@@ -189,6 +190,7 @@ private:
     return std::nullopt;
   }
 
+  /// Starts the bundle method at `at`.
   void take_over(const P& problem, const Iterate<P>& at) {
     bundle_.emplace(options_, problem, at, longest_);
     fresh_ = true;
@@ -198,11 +200,11 @@ private:
 
   Options options_;
   Method method_;
-  double longest_ = 1;                    ///< longest step so far; at first Cauchy's, the unit of length
-  int short_steps_ = 0;                   ///< consecutive short steps up to now
-  int unconfirmed_ = 0;                   ///< rejected certificates by the last iterates
-  std::optional<BundleMethod<P>> bundle_; ///< takes steps in place of the method
-  bool fresh_ = false;                    ///< the bundle has not led to a step yet
+  double longest_ = 1;                    ///< longest step so far; initially Cauchy's step, 1
+  int short_steps_ = 0;                   ///< number of consecutive short steps up to now
+  int unconfirmed_ = 0;                   ///< number of rejected certificates from the last iterates
+  std::optional<BundleMethod<P>> bundle_; ///< takes the steps instead of the method, if set
+  bool fresh_ = false;                    ///< whether the bundle method has not made a step yet
 };
 
 } // namespace signorini::optimize

@@ -15,7 +15,7 @@ double dot(std::span<const double> a, std::span<const double> b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
-/// The quadratic model g·d + ½ d·Hd of one iterate.
+/// Quadratic model g·d + ½ d·Hd of ½ |r|² about one iterate.
 struct Model {
   std::vector<double> g, H;
   std::size_t n;
@@ -29,7 +29,7 @@ struct Model {
     return sum;
   }
 
-  /// Flags the unknowns that no bound blocks (n).
+  /// Returns a flag for each unknown: true if no bound blocks it (n).
   [[nodiscard]] std::vector<bool> free_at(const std::vector<double>& x, const Box& box) const {
     std::vector<bool> free(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -37,8 +37,9 @@ struct Model {
     return free;
   }
 
-  /// Sets the entries of `d` that are `free` to the minimiser, given the others, with H's diagonal enlarged
-  /// by the factor 1 + damping. Unknowns that the data do not determine do not change.
+  /// Sets the entries of `d` marked in `free` to the model's minimiser for fixed values of the others. H's
+  /// diagonal is multiplied by 1 + damping. Entries of unknowns that the data do not determine are set to
+  /// zero.
   void minimise(const std::vector<bool>& free, double damping, std::vector<double>& d) const {
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < n; ++i)
@@ -69,7 +70,7 @@ struct Model {
       d[which[a]] = solved ? b[a] : std::numeric_limits<double>::quiet_NaN();
   }
 
-  /// Returns the step within the bounds and step limits. Unknowns that would leave them are fixed at them,
+  /// Returns the step within bounds and step limits. Unknowns that would exceed these are fixed at them,
   /// round by round.
   [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box, double damping) const {
     std::vector<double> d(n, 0.0);

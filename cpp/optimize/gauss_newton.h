@@ -8,40 +8,42 @@
 #include <span>
 #include <vector>
 
-/// Nonlinear least squares of few unknowns: Gauss-Newton steps, damped after Levenberg and Marquardt, within
-/// bounds. min ½ |r(x)|² over lower ≤ x ≤ upper.
+/// Nonlinear least squares with few unknowns, min ½ |r(x)|² over lower ≤ x ≤ upper, by Gauss-Newton steps
+/// with the damping of Levenberg and Marquardt.
 namespace signorini::optimize {
 
-/// Residuals r (m) and their derivatives (m × n, column by column) at a point.
+/// Residuals r at a point (m entries) and their Jacobian J (m × n, column by column).
 struct LeastSquares {
   std::vector<double> residuals, jacobian;
 
+  /// Returns ½ |r|².
   [[nodiscard]] double value() const;
   /// Number of unknowns n.
   [[nodiscard]] std::size_t columns() const {
     return residuals.empty() ? 0 : jacobian.size() / residuals.size();
   }
-  /// Jᵀr (n) and JᵀJ (n × n).
+  /// Returns the gradient Jᵀr (n entries).
   [[nodiscard]] std::vector<double> gradient() const;
+  /// Returns the normal matrix JᵀJ (n × n).
   [[nodiscard]] std::vector<double> normal_matrix() const;
 };
 
-/// Bounds of the unknowns, ±∞ where there are none.
+/// Bounds of the unknowns (±∞: none) and limits of their changes in one step.
 struct Box {
   std::vector<double> lower, upper;
-  /// Largest change of each unknown in one step, beyond which the linearised residuals are meaningless; no
-  /// limit if empty.
+  /// Largest change of each unknown in one step, beyond which the linearised residuals have no meaning;
+  /// empty: no limits.
   std::vector<double> longest = {};
 
-  /// Whether x_i is at a bound beyond which −g_i points.
+  /// Returns whether unknown i, with value x, is at a bound and the descent direction −g points out of it.
   [[nodiscard]] bool blocks(std::size_t i, double x, double g) const {
     return (x <= lower[i] && g > 0) || (x >= upper[i] && g < 0);
   }
-  /// Whether one step may take an unknown from x to `next`.
+  /// Returns whether one step may change unknown i from x to `next`.
   [[nodiscard]] bool reaches(std::size_t i, double x, double next) const {
     return longest.empty() || std::abs(next - x) <= longest[i];
   }
-  /// Value nearest to `wanted` that one step from x may reach.
+  /// Returns the value nearest to `wanted` to which one step may change unknown i from x, within the bounds.
   [[nodiscard]] double nearest(std::size_t i, double x, double wanted) const {
     if (!reaches(i, x, wanted))
       wanted = x + std::copysign(longest[i], wanted - x);
@@ -51,12 +53,13 @@ struct Box {
 
 struct GaussNewtonOptions {
   int max_iterations = 100;
-  double tolerance = 1e-6; ///< bound of the decrement √(gᵀ(JᵀJ)⁻¹g), in units of the residuals
-  /// Makes numbers the same on every rank: last digits of LAPACK's may differ between processors.
+  double tolerance = 1e-6; ///< limit of the decrement √(gᵀ(JᵀJ)⁻¹g), in units of the residuals
+  /// Function that makes numbers equal on all ranks, since last digits of LAPACK's results may differ between
+  /// processors.
   std::function<void(std::span<double>)> agree = [](std::span<double>) {};
 };
 
-/// The point reached after an iteration, 0 being the start.
+/// Point reached after iteration `number`; 0 is the start.
 struct GaussNewtonIterate {
   int number = 0;
   std::vector<double> x;
@@ -69,23 +72,24 @@ struct GaussNewtonResult {
   GaussNewtonIterate last;
 };
 
-/// Minimises ½ |r(x)|² from `start`, an evaluated first guess or an iterate to continue from. `evaluate`
-/// returns nothing where a solver fails, which counts as too long a step. `report` is called with every
-/// iterate and returns whether to continue.
+/// Minimises ½ |r(x)|² from `start`, which is an evaluated first guess or an iterate from which to continue.
+/// `evaluate` returns nothing if a solver fails, which counts as too long a step. `report` is called with
+/// every iterate and returns whether to continue.
 GaussNewtonResult
 gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const double> x)>& evaluate,
              GaussNewtonIterate start, const Box& box, const GaussNewtonOptions& options,
              const std::function<bool(const GaussNewtonIterate&)>& report);
 
-/// Identifiability of the unknowns: JᵀJ as the inverse of a covariance matrix.
+/// Identifiability of the unknowns, with JᵀJ taken as the inverse of their covariance matrix.
 struct Identified {
-  std::vector<double> deviations;      ///< standard deviation of each unknown; ∞: undetermined by the data
-  std::vector<double> correlations;    ///< (n × n)
-  std::vector<double> singular_values; ///< descending, for J with columns of length one
-  /// Directions x(t) = x + t d that change the residuals by rounding alone; entries that matter little are
-  /// zero, the largest is one.
+  std::vector<double> deviations;      ///< standard deviation of each unknown; ∞: not determined by the data
+  std::vector<double> correlations;    ///< correlations of the unknowns (n × n)
+  std::vector<double> singular_values; ///< singular values of J with columns scaled to length one, descending
+  /// Directions d along which x + t d changes the residuals by no more than rounding. Entries below 1e-4 of
+  /// the largest are set to zero; the largest entry is one.
   std::vector<std::vector<double>> unidentified;
 };
+/// Returns the identifiability of n unknowns from their normal matrix JᵀJ (n × n).
 Identified identified(const std::vector<double>& normal_matrix, std::size_t n);
 
 } // namespace signorini::optimize

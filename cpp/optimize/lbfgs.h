@@ -8,14 +8,14 @@
 
 namespace signorini::optimize {
 
-/// L-BFGS directions by the two-loop recursion (Nocedal 1980), in the product of the problem and on the
-/// values that bounds do not block (Bertsekas 1982). Pairs are stored without blocked values: once the
-/// blocked set no longer changes, the method is that of the reduced problem. The operator applied is a
-/// principal part of a positive definite one, so that J descends along its directions for any pairs.
+/// L-BFGS directions by the two-loop recursion (Nocedal 1980), in the problem's product and on the values
+/// that bounds do not block (Bertsekas 1982). Pairs are stored without blocked values. When the set of
+/// blocked values no longer changes, the method is that of the reduced problem. The applied operator is a
+/// principal part of a positive definite one, so that J descends along the directions for any pairs.
 ///
-/// The recursion works on factors of the stored vectors, by their Gram matrix (Chen, Wang, Zhou 2014). A
-/// direction reads the vectors twice, a new pair once; single products would apply the mass matrix to each of
-/// them.
+/// The recursion works on coefficients of the stored vectors, with their Gram matrix (Chen, Wang, Zhou 2014).
+/// A direction reads the stored vectors twice, a new pair reads them once; computing products one by one
+/// would apply the mass matrix to each vector.
 template <Unknowns U>
 class LimitedMemory {
 public:
@@ -54,9 +54,10 @@ public:
     return tangential(unknowns, at.u, d);
   }
 
-  /// Returns the shortest convex combination of the gradients, on free values, of `at` and of earlier
-  /// iterates within a radius around it (Lewis, Overton 2013, section 6.3). Gradients and positions come from
-  /// the pairs, rounded, at one product each. None if no earlier iterate is near.
+  /// Returns the shortest convex combination of the gradients of `at` and of earlier iterates within `radius`
+  /// of it, on values that are not blocked (Lewis, Overton 2013, section 6.3). Gradients and positions come
+  /// from the rounded pairs, at the cost of one product for each vector. Returns nothing if no earlier
+  /// iterate is within `radius`.
   [[nodiscard]] std::optional<PathCombination> path_combination(const U& unknowns, const Iterate<U>& at,
                                                                 double radius) const {
     const std::size_t n = vectors_.size(), steps = std::min(static_cast<std::size_t>(unbroken_), n / 2);
@@ -102,7 +103,7 @@ public:
     return found;
   }
 
-  /// Returns the iterate so many steps before `at`.
+  /// Returns the iterate that is `steps` steps before `at`.
   [[nodiscard]] Vector before(const Iterate<U>& at, std::size_t steps) const {
     Vector u = at.u;
     std::vector<double> factors(vectors_.size());
@@ -112,6 +113,7 @@ public:
     return u;
   }
 
+  /// Stores the pair of step and gradient difference of a step.
   void learn(const U& unknowns, const Iterate<U>& from, const Iterate<U>& to, double) {
     const Vector down = negative(to.g);
     Vector s = difference(to.u, from.u), y = difference(to.g, from.g);
@@ -121,8 +123,8 @@ public:
     take(unknowns, s, y, length_);
   }
 
-  /// Takes the pairs of a search on another problem, whose vectors `interpolate` transfers to this one. Pairs
-  /// whose curvature is no longer positive are dropped.
+  /// Takes over the pairs of a search on another problem. `interpolate`: transfers vectors of that problem to
+  /// this one. Pairs whose curvature is no longer positive are dropped.
   template <class Interpolate>
   void inherit(const LimitedMemory& other, const U& unknowns, const Interpolate& interpolate) {
     length_ = other.length_;
@@ -135,6 +137,7 @@ public:
     unbroken_ = 0; // no pair is of this problem
   }
 
+  /// Drops all pairs; returns whether there were any.
   bool restart() {
     const bool had = !vectors_.empty();
     unbroken_ = 0;
@@ -143,7 +146,7 @@ public:
     return had;
   }
 
-  /// Drops the oldest pairs beyond this number of vectors.
+  /// Drops the oldest pairs until at most `vectors` vectors are stored.
   void store_at_most(std::size_t vectors) {
     while (vectors_.size() > vectors)
       forget_oldest();
@@ -160,8 +163,8 @@ public:
   }
 
 private:
-  /// Stores a pair, unless rounding decides the sign of its curvature. `length`: length of the whole step,
-  /// blocked values included.
+  /// Stores the pair (s, y), unless rounding decides the sign of its curvature. `length`: length of the step
+  /// with blocked values included.
   void take(const U& unknowns, const Vector& s, const Vector& y, double length) {
     const std::size_t n = vectors_.size();
     const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
@@ -203,9 +206,9 @@ private:
   LbfgsOptions options_;
   std::vector<Compact> vectors_; ///< s and y of each pair, the oldest first
   std::vector<double> gram_;     ///< Gram matrix (vectors × vectors)
-  int unbroken_ = 0;             ///< number of last pairs that join consecutive iterates
+  int unbroken_ = 0;             ///< number of latest pairs that join consecutive iterates
   double scale_ = 1;
-  double length_ = 1; ///< length of the last step; at first Cauchy's, the unit of length
+  double length_ = 1; ///< length of the last step; initially Cauchy's step, 1
 };
 
 template <TwiceDifferentiable P>

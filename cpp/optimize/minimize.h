@@ -7,13 +7,15 @@
 
 namespace signorini::optimize {
 
-/// The units of a search: a length L of controls and a multiple s of the gradient, in units of a control
-/// squared over J. L²/s is then the unit of J, and L/s that of gradients.
-struct Units {
+/// Units of a search: a length L of controls, and a multiple s of the gradient, in units of a control squared
+/// over J. The unit of J is then L²/s, the unit of gradients L/s.
+struct SearchUnits {
   double length = 1; ///< L
   double step = 1;   ///< s
 
+  /// Returns the unit of J, L²/s.
   [[nodiscard]] double objective() const { return length * length / step; }
+  /// Returns the unit of gradients, L/s.
   [[nodiscard]] double gradient() const { return length / step; }
 
   template <class Archive>
@@ -23,18 +25,18 @@ struct Units {
   }
 };
 
-/// Returns the units of the problem at its current point u, by one Hessian product. L is the length, after
-/// projection onto the bounds, of Cauchy's step, which minimises J's quadratic model along steepest descent.
-/// s is the multiple of the gradient of that length. Both depend on u, J and the bounds, not on the mesh, and
-/// scale with the units of u and J. The first guess enters by J's derivatives there alone: the origin of
-/// controls has no influence.
+/// Returns the units of the problem at its current point u, with J = `objective` and gradient g there, by one
+/// Hessian product. L is the length of Cauchy's step, which minimises J's quadratic model along steepest
+/// descent, after projection onto the bounds. s is the multiple of the gradient that has that length. Both
+/// depend on u, J and the bounds but not on the mesh, and scale with the units of u and J. The first guess
+/// has an influence only by J's derivatives there; the origin of controls has none.
 ///
-/// The Hessian may be singular. A J that is a sum of squares, as with frozen active sets, still has curvature
-/// along its gradient, and the step is at most 2 J/‖g‖² times the gradient. That bound is used where no
-/// curvature is found.
+/// The Hessian may be singular. If J is a sum of squares, as it is with frozen active sets, it still has
+/// curvature along its gradient, and the step is at most 2 J/‖g‖² times the gradient. This bound is used if
+/// no curvature is found.
 template <TwiceDifferentiable P>
-[[nodiscard]] Units measured(P& problem, const typename P::Vector& u, double objective,
-                             const typename P::Vector& g) {
+[[nodiscard]] SearchUnits measured(P& problem, const typename P::Vector& u, double objective,
+                                   const typename P::Vector& g) {
   const typename P::Vector d = tangential(problem, u, negative(g));
   const double squared = problem.inner(d, d);
   if (squared == 0)
@@ -44,12 +46,13 @@ template <TwiceDifferentiable P>
   step.add(curvature > 0 ? squared / curvature : 2 * std::abs(objective) / squared, d);
   const double length = norm(problem, difference(projected(problem, std::move(step)), u));
   // Otherwise J is linear and zero, and defines no units.
-  return std::isfinite(length) && length > 0 ? Units{length, length / std::sqrt(squared)} : Units();
+  return std::isfinite(length) && length > 0 ? SearchUnits{length, length / std::sqrt(squared)}
+                                             : SearchUnits();
 }
 
-/// The problem in dimensionless form, so that no method depends on its units: a control of length L, a
-/// curvature of 1/s and a J of L²/s become one. Controls and their bounds are unchanged; products are divided
-/// by L², J by L²/s, and gradients are multiplied by s, which gives them the length of a step.
+/// Problem in dimensionless form, so that no method depends on the units of u and J. A control of length L, a
+/// curvature of 1/s and a J of L²/s become 1. Controls and their bounds are unchanged. Products are divided
+/// by L², J is divided by L²/s, and gradients are multiplied by s, which gives them the length of a step.
 template <TwiceDifferentiable P>
 class Dimensionless {
 public:
@@ -58,8 +61,9 @@ public:
 
   explicit Dimensionless(P& problem) : problem_(problem) {}
 
-  void measure_in(const Units& units) { units_ = units; }
-  [[nodiscard]] const Units& units() const { return units_; }
+  /// Sets the units in which the problem is measured.
+  void measure_in(const SearchUnits& units) { units_ = units; }
+  [[nodiscard]] const SearchUnits& units() const { return units_; }
 
   double value(const Vector& u) { return problem_.value(u) / units_.objective(); }
   Vector trial_gradient() { return stepped(problem_.trial_gradient()); }
@@ -80,7 +84,7 @@ public:
   void project(Vector& u) const { problem_.project(u); }
   void zero_blocked(Vector& w, const Vector& u, const Vector& d) const { problem_.zero_blocked(w, u, d); }
 
-  /// Converts a gradient or Hessian product of the problem.
+  /// Converts a gradient or Hessian product of the given problem to dimensionless form.
   [[nodiscard]] Vector stepped(Vector g) const {
     g.scale(units_.step);
     return g;
@@ -90,22 +94,22 @@ private:
   [[nodiscard]] double squared_length() const { return units_.length * units_.length; }
 
   P& problem_;
-  Units units_;
+  SearchUnits units_;
 };
 
-/// The state of a search between two iterations, on which all further ones depend. Dimensionless except for
+/// State of a search between two iterations, on which all further iterations depend. Dimensionless except for
 /// u.
 template <Unknowns U, class Memory>
 struct State {
   Iterate<U> current;
-  Units units; ///< units of the problem at the first guess
+  SearchUnits units; ///< units of the problem at the first guess
   Iteration iteration;
   double first_norm; ///< ‖u − P(u − g)‖ at the first guess
-  Memory memory;     ///< state of the method
-  /// Length of the certificate that ended the search, if one did.
+  Memory memory;     ///< the method, with its state
+  /// Length of the certificate that ended the search; infinite if none did.
   double certified = std::numeric_limits<double>::infinity();
 
-  /// Omits J and its gradient at u, which are evaluated anew.
+  /// Writes or reads the state, except for J and its gradient at u, which are evaluated again.
   template <class Archive>
   void serialize(Archive& archive) {
     Shared<typename U::Vector> u = share(current.u);
@@ -119,11 +123,11 @@ struct State {
   }
 };
 
-/// Warm start for a search of the same unknowns on another problem, such as a finer mesh. The search keeps
-/// units and first norm, so that its tolerance does not depend on where it starts.
+/// Warm start for a search with the same unknowns on another problem, such as a finer mesh. The search takes
+/// over units and first norm, so that its tolerance does not depend on its starting point.
 template <class Memory>
 struct Inheritance {
-  Units units;
+  SearchUnits units;
   double first_norm;
   Memory memory;
 };
@@ -135,7 +139,7 @@ inline void require_finite(const Iteration& iteration) {
                         std::to_string(iteration.number));
 }
 
-/// Returns the stopping reason at this iterate, if there is one.
+/// Returns the stopping reason at the present iterate, if there is one.
 template <Unknowns U, class Memory>
 std::optional<Stop> ended(const State<U, Memory>& state, const Options& options) {
   const Iteration& iteration = state.iteration;
@@ -148,9 +152,9 @@ std::optional<Stop> ended(const State<U, Memory>& state, const Options& options)
   return std::nullopt;
 }
 
-/// Evaluates J at the state's point, where the search starts or, with `restored`, continues. `inherited`:
-/// units and first norm of the state come from another search. Returns J in the units of the given problem.
-/// Throws SolverFailure, Interrupted.
+/// Evaluates J and its gradient at state.current.u, where the search starts or, with `restored`, continues.
+/// `inherited`: units and first norm of the state come from another search. Returns J in the units of the
+/// given problem. Throws SolverFailure, Interrupted.
 template <TwiceDifferentiable P, class Memory>
 double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored,
              bool inherited) {
@@ -173,22 +177,26 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
   return value;
 }
 
-/// Runs the iterations of a method from the first guess, or from the checkpoint that `checkpointer` restores,
-/// to a stopping reason. The method works on the dimensionless problem and thus does not depend on the units
-/// of u and J; `report`, checkpointer.restored() and the result are in the units given.
+/// Minimises J by the iterations of a method, from the first guess or from the checkpoint that `checkpointer`
+/// restores, until there is a stopping reason. The method works on the dimensionless problem and thus does
+/// not depend on the units of u and J. `report`, checkpointer.restored() and the result are in the units of
+/// the given problem.
 ///
-/// Method(options).advance(problem, state) makes one iteration, or a round of one. It moves state.current,
-/// state.iteration and the problem's current point, or returns the end of the search. Between two calls
-/// make_room() may drop stored vectors. `report(iteration)` is called for the first guess and for each
-/// iterate that this call accepts; if it returns a bool, false ends the search. checkpointer.restore(state)
-/// reads a state and returns whether there was one. checkpointer.restored(stored, found) receives J there, as
-/// stored and as evaluated. checkpointer.mark() announces that a state stored before the next mark is the
-/// present one. checkpointer.store(state) is called where checkpointer.due(iteration) is true and when the
-/// search ends. checkpointer.certified(certificate) receives a certificate. The state stored then has no
-/// memory of the method; a search restored from it ends at once, without a certificate, unless its tolerance
-/// is smaller. Without a checkpoint the search continues from `inherited`, if given, where another one ended.
-/// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
-/// objective or its gradient is not finite. Collective if the problem is.
+/// Method(options).advance(problem, state) makes one iteration, or one round of an iteration. It moves
+/// state.current, state.iteration and the problem's current point, or returns the end of the search.
+/// make_room() is called before each advance() and may drop stored vectors. `report(iteration)` is called for
+/// the first guess and for each iterate that this call accepts; if it returns a bool, false ends the search.
+///
+/// checkpointer.restore(state) reads a state and returns whether there was one. checkpointer.restored(stored,
+/// found) receives J at the restored point, as stored and as evaluated. checkpointer.mark() announces that a
+/// state stored before the next mark is the present one. checkpointer.store(state) is called if
+/// checkpointer.due(iteration) is true and when the search ends. checkpointer.certified(certificate) receives
+/// a certificate; the state stored then does not contain the method's state. A search restored from that
+/// state ends at once, without a certificate, unless its tolerance is smaller.
+///
+/// Without a checkpoint the search continues from `inherited`, if given, where another search ended. If the
+/// problem throws Interrupted, the search ends with the last accepted iterate. Throws SolverFailure if J or
+/// its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>

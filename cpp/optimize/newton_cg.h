@@ -6,11 +6,11 @@
 
 namespace signorini::optimize {
 
-/// Newton directions by conjugate gradients on the free values. They end at the trust region, at negative
-/// curvature (Steihaug 1983, Toint 1981) or once the residual suffices for superlinear convergence; more
-/// accuracy is wasted where the active sets change. A step that is too long is shortened rather than solved
-/// for again (Nocedal, Yuan 1998): a trial costs one sweep, a Hessian product two. At a kink the model is
-/// one-sided, so that the search may end above the minimiser.
+/// Newton directions by conjugate gradients on the values that bounds do not block. The iterations end at the
+/// trust region, at negative curvature (Steihaug 1983, Toint 1981), or when the residual suffices for
+/// superlinear convergence; more accuracy is wasted where active sets change. A step that is too long is
+/// shortened and not recomputed (Nocedal, Yuan 1998), since a trial costs one sweep, a Hessian product two.
+/// At a kink the quadratic model is one-sided, so that the search may end above the minimiser.
 template <TwiceDifferentiable P>
 class TruncatedNewton {
 public:
@@ -74,12 +74,13 @@ public:
   /// Does nothing: no vectors are stored.
   void store_at_most(std::size_t) {}
 
-  /// Takes the trust region of a search on another problem.
+  /// Takes over the trust region of a search on another problem.
   void inherit(const TruncatedNewton& other, const P&, const auto&) {
     radius_ = other.radius_;
     first_ = other.first_;
   }
 
+  /// Makes the next direction steepest descent; returns false if the last direction was that already.
   bool restart() { return !std::exchange(steepest_, true); }
 
   template <class Archive>
@@ -92,8 +93,8 @@ public:
 private:
   NewtonOptions options_;
   double radius_ = options_.radius; ///< radius of the trust region
-  double first_ = 0;                ///< largest gradient norm on free values so far
-  double predicted_ = 0;            ///< decrease of the quadratic model by the last direction
+  double first_ = 0;                ///< largest gradient norm so far, on values that are not blocked
+  double predicted_ = 0;            ///< decrease of the quadratic model along the last direction
   bool on_boundary_ = false, steepest_ = false;
 };
 

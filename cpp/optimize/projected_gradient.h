@@ -5,17 +5,17 @@
 
 namespace signorini::optimize {
 
-/// Algorithm 1 of the paper: projected gradient steps with a quadratic regularisation. Each step minimises
-/// the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. It is accepted if ρ = actual/predicted decrease is
-/// sufficient. In either case ω becomes the curvature that makes the model exact, ω + 2 (predicted −
-/// actual)/‖δ‖² (= ω (2 − ρ) without bounds), within limits of its change. A trial at which a solver fails is
-/// rejected; the search ends with that failure only if no shorter step succeeds either.
+/// Projected gradient steps with a quadratic regularisation, Algorithm 1 of the paper. Each step minimises
+/// the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. It is accepted if ρ, the ratio of actual to predicted
+/// decrease, is sufficient. In either case ω becomes the curvature with which the model is exact, ω + 2
+/// (predicted − actual)/‖δ‖² (= ω (2 − ρ) without bounds), within limits of its change. A trial at which a
+/// solver fails is rejected; the search ends with that failure only if no shorter step succeeds.
 template <TwiceDifferentiable P>
 class ProjectedGradient {
 public:
   explicit ProjectedGradient(const Options& options) : options_(options) {}
 
-  /// Makes one iteration, as minimize() defines it.
+  /// Makes one iteration, as minimize() defines it. Returns the result if the search ends.
   std::optional<Result<typename P::Vector>> advance(P& problem, State<P, ProjectedGradient>& state) {
     const auto& [sufficient, change, after_rejection] = options_.gradient;
     auto& [u, objective, g] = state.current;
@@ -51,7 +51,7 @@ public:
   /// Does nothing: no vectors are stored.
   void make_room() {}
 
-  /// Takes the regularisation of a search on another problem.
+  /// Takes over the regularisation ω of a search on another problem.
   void inherit(const ProjectedGradient& other, const auto&, const auto&) { omega_ = other.omega_; }
 
   template <class Archive>
@@ -61,7 +61,7 @@ public:
 
 private:
   Options options_;
-  double omega_ = 1; ///< ω, at first the unit of curvature (minimize.h)
+  double omega_ = 1; ///< ω; initially the unit of curvature (minimize.h)
 };
 
 } // namespace signorini::optimize

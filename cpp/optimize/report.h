@@ -12,8 +12,8 @@ template <class Vector>
 struct Certificate {
   double length = 0;                  ///< length of the combination
   double radius = 0;                  ///< radius of the ball around the current point
-  std::vector<Shared<Vector>> points; ///< points of the gathered gradients
-  std::vector<double> weights;
+  std::vector<Shared<Vector>> points; ///< points at which the gradients were gathered
+  std::vector<double> weights;        ///< weights of the gradients; their sum is 1
 
   template <class Archive>
   void serialize(Archive& archive, const std::string& name) {
@@ -25,25 +25,27 @@ struct Certificate {
   }
 };
 
-/// Gradients gathered around a point and their convex combination, a certificate if short and near enough.
+/// Gradients gathered around a point and their convex combination. This is a certificate if it is short and
+/// the points are near enough.
 template <Differentiable P>
 struct GatheredGradients {
   using Vector = typename P::Vector;
 
   Certificate<Vector> certificate{};
   Vector sum;           ///< convex combination of the gradients
-  bool complete = true; ///< J could be evaluated at all points
+  bool complete = true; ///< whether J could be evaluated at all points
 
-  /// Whether J was evaluated at all points, these lie within the radius `ball`, and the combination is at
-  /// most `length` long.
+  /// Returns whether J was evaluated at all points, all points are within the radius `ball`, and the
+  /// combination is at most `length` long.
   [[nodiscard]] bool confirms(double length, double ball) const {
     return complete && certificate.length <= length && certificate.radius <= ball;
   }
 };
 
-/// Gathers the gradients of a convex combination: the current one, with the first weight, and new ones at
-/// `point(i)` for the further positive weights, each passed to `each(i, g)`. The certificate's length is the
-/// stationarity measure of their combination, blocked values included, and does not depend on a model.
+/// Gathers the gradients of a convex combination with these weights. The first weight belongs to the gradient
+/// at the current point `at`. For each further positive weight i, a gradient g is evaluated at `point(i)` and
+/// passed to `each(i, g)`. The certificate's length is the stationarity measure of the combination, blocked
+/// values included; it does not depend on a model.
 template <Differentiable P, class PointOf, class Each>
 GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<double>& weights,
                             PointOf&& point, Each&& each) {
@@ -71,8 +73,9 @@ GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<
   return all;
 }
 
-/// Whether J is stationary at the certificate's combination of the points. If they lie on one smooth
-/// selection, its gradient there is the combination of theirs: no kink lies between them.
+/// Returns whether J is stationary at the certificate's convex combination of the points. If the points are
+/// on one smooth selection, J's gradient there is the combination of their gradients: no kink lies between
+/// them.
 template <Differentiable P>
 bool stationary_between(P& problem, const Certificate<typename P::Vector>& certificate, double tolerance) {
   typename P::Vector u = *certificate.points.front();
@@ -121,19 +124,20 @@ inline std::string name(Stop stop) {
 template <class Vector>
 struct Result {
   Stop stop;
-  std::optional<Certificate<Vector>> certificate = std::nullopt; ///< set at a kink
-  double first_norm = 0; ///< gradient norm to which Options::tolerance is relative
+  std::optional<Certificate<Vector>> certificate = std::nullopt; ///< set if the search ended at a kink
+  double first_norm = 0; ///< first gradient norm; Options::tolerance is relative to it
 };
 
-/// The record of one iteration.
+/// Record of one iteration.
 struct Iteration {
   int number = 0;
   double objective = 0;
-  double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
-  /// Multiple taken of the direction; projected-gradient: of the problem's gradient; 0 at the first guess.
+  double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's SearchUnits; without bounds ‖g‖
+  /// Step length, as a multiple of the search direction; projected-gradient: of the problem's gradient; 0 at
+  /// the first guess.
   double step_length = 0;
-  /// Decrease of J that the method's model predicted for the last step, −g·d/2 for a quadratic one: about the
-  /// distance of J from its minimum. Infinite without a model. Not stored.
+  /// Decrease of J that the method's model predicted for the last step, −g·d/2 for a quadratic model. It
+  /// estimates the distance of J from its minimum. Infinite without a model. Not stored in checkpoints.
   double promised = std::numeric_limits<double>::infinity();
 
   template <class Archive>

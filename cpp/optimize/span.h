@@ -13,6 +13,7 @@ namespace signorini::optimize {
 /// Coordinates in an orthonormal basis; entries beyond the last are zero.
 using Coordinates = std::vector<double>;
 
+/// Returns the inner product a·b.
 inline double dot(const Coordinates& a, const Coordinates& b) {
   const auto both = static_cast<std::ptrdiff_t>(std::min(a.size(), b.size()));
   return std::inner_product(a.begin(), a.begin() + both, b.begin(), 0.0);
@@ -20,7 +21,7 @@ inline double dot(const Coordinates& a, const Coordinates& b) {
 
 inline double norm(const Coordinates& a) { return std::sqrt(dot(a, a)); }
 
-/// a += factor b.
+/// Adds factor b to a.
 inline void add(Coordinates& a, double factor, const Coordinates& b) {
   a.resize(std::max(a.size(), b.size()));
   for (std::size_t i = 0; i < b.size(); ++i)
@@ -33,13 +34,15 @@ inline Coordinates scaled(Coordinates a, double factor) {
   return a;
 }
 
-/// Orthonormal basis of the vectors taken.
+/// Orthonormal basis of the span of given vectors.
 class Orthonormal {
 public:
-  /// Makes an empty basis. A vector belongs to its span up to the relative distance `dependent`.
+  /// Creates an empty basis. A vector belongs to its span if the part outside is at most `dependent` times as
+  /// long as the vector.
   explicit Orthonormal(double dependent) : dependent_(dependent) {}
 
-  /// Takes all of `more`, unless the span then has more than `most` dimensions. Returns whether it did.
+  /// Extends the basis by all vectors in `more`, unless it would then have more than `most` dimensions.
+  /// Returns whether it was extended.
   bool take(const std::vector<const Coordinates*>& more, std::size_t most) {
     const std::size_t before = vectors_.size();
     for (const Coordinates* given : more) {
@@ -57,7 +60,7 @@ public:
     return false;
   }
 
-  /// Coordinates of x in this basis.
+  /// Returns the coordinates of x in this basis.
   [[nodiscard]] Coordinates of(const Coordinates& x) const {
     Coordinates all;
     for (const Coordinates& q : vectors_)
@@ -72,17 +75,17 @@ private:
   double dependent_;
 };
 
-/// Growing subspace with an orthonormal basis, so that frequent operations work on coordinates. Stored are
-/// the vectors V as given, and the Cholesky factor of their Gram matrix, VᵀV = RᵀR. The basis V R⁻¹ is never
-/// formed, so that a new vector reads the stored ones once.
+/// Growing subspace of the problem's vectors with an orthonormal basis, so that frequent operations work on
+/// coordinates. Stores the given vectors V and the Cholesky factor R of their Gram matrix, VᵀV = RᵀR. The
+/// basis V R⁻¹ is never formed, so that a new vector reads the stored ones once.
 template <Unknowns U>
 class Span {
 public:
   using Vector = typename U::Vector;
   using Compact = typename U::Compact;
 
-  /// Makes an empty subspace. A vector belongs to it if its part outside is at most `dependent` times as
-  /// long.
+  /// Creates an empty subspace. A vector belongs to the subspace if its part outside is at most `dependent`
+  /// times as long as the vector.
   explicit Span(double dependent) : dependent_(dependent) {}
 
   /// Returns the coordinates of v; extends the subspace if v does not belong to it.
@@ -124,10 +127,10 @@ public:
     return v;
   }
 
-  /// Restricts the subspace to the span of an orthonormal basis, to which coordinates refer from now on. The
-  /// basis itself is stored: rounding of vectors far from orthogonal would turn the subspace. Rounded vectors
-  /// are orthonormal to some seven digits only, and the part of a new vector outside may be smaller. So R is
-  /// recomputed from the stored vectors.
+  /// Restricts the subspace to the span of an orthonormal basis; coordinates refer to this basis from now on.
+  /// The basis is stored instead of V, since rounding of vectors far from orthogonal would turn the subspace.
+  /// The rounded basis vectors are orthonormal to some seven digits only, while the part of a new vector
+  /// outside may be smaller. R is therefore recomputed from the stored vectors.
   void restrict(const std::vector<Coordinates>& basis) {
     std::vector<Coordinates> factors;
     for (Coordinates x : basis) {
@@ -152,6 +155,7 @@ public:
     archive(name + "/rounded", rounded_);
   }
 
+  /// Number of dimensions of the subspace.
   [[nodiscard]] std::size_t dimension() const { return factor_.size(); }
 
 private:
@@ -174,7 +178,7 @@ private:
     }
   }
 
-  /// Converts products with the stored vectors to coordinates: c = R⁻ᵀ c.
+  /// Converts products c with the stored vectors to coordinates, R⁻ᵀ c, in place.
   void to_basis(Coordinates& c) const {
     for (std::size_t j = 0; j < c.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i)
@@ -183,7 +187,7 @@ private:
     }
   }
 
-  /// Returns the factors R⁻¹ x of the stored vectors for coordinates x.
+  /// Returns the coefficients R⁻¹ x of the stored vectors for the vector with coordinates x.
   [[nodiscard]] Coordinates to_vectors(Coordinates x) const {
     for (std::size_t j = x.size(); j-- > 0;) {
       x[j] /= factor_[j][j];
@@ -193,9 +197,9 @@ private:
     return x;
   }
 
-  /// Whether V stays well conditioned with a vector of this squared length. `factors`: its part in the
-  /// subspace by V; `rest`: squared length of its part outside, which otherwise must be stored alone. The new
-  /// column of R⁻¹, scaled by the vectors' lengths, is then bounded.
+  /// Returns whether V stays well conditioned with a further vector of squared length `squared`. `factors`:
+  /// coefficients of its part in the subspace; `rest`: squared length of its part outside. If false, only the
+  /// part outside may be stored. The test bounds the new column of R⁻¹, scaled by the vectors' lengths.
   [[nodiscard]] bool well_conditioned(const Coordinates& factors, double squared, double rest) const {
     constexpr double most = 1e5; // rounding then leaves 11 digits of coordinates
     double sum = squared;
@@ -205,8 +209,8 @@ private:
   }
 
   std::vector<Compact> vectors_;
-  std::vector<Coordinates> factor_; ///< columns of R, each one entry longer than the last
-  bool rounded_ = false;            ///< vectors were rounded since R was computed
+  std::vector<Coordinates> factor_; ///< columns of R, each one entry longer than the previous one
+  bool rounded_ = false;            ///< whether vectors were rounded after R was computed
   double dependent_;
 };
 

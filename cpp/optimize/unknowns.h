@@ -10,12 +10,13 @@
 #include <utility>
 #include <vector>
 
-/// Optimisation algorithms for concepts, independent of PETSc and dolfinx. PETSc's TAO is not used: it
-/// measures with the Euclidean product of the coefficients, so that iterations grow in number as the mesh is
-/// refined. The remedy, a change of variables by the root of the mass matrix, exists for diagonal ones only.
+/// Optimisation algorithms for problems that satisfy concepts, independent of PETSc and dolfinx. PETSc's TAO
+/// is not used, since it works in the Euclidean product of the coefficients. Its number of iterations
+/// therefore grows as the mesh is refined. A change of variables by the root of the mass matrix would help,
+/// but is practicable only for a diagonal matrix.
 namespace signorini::optimize {
 
-/// An immutable vector with several owners, so that the state of a search is cheap to copy.
+/// Immutable vector with shared ownership, so that the state of a search is cheap to copy.
 template <class Vector>
 using Shared = std::shared_ptr<const Vector>;
 
@@ -28,8 +29,8 @@ Shared<Vector> share(Vector v) {
 template <class U>
 concept Unknowns =
     std::copyable<typename U::Vector> && std::semiregular<typename U::Compact> &&
-    // Compact: a vector for storing many, perhaps rounded, cheap to copy; results of computations are
-    // Vectors.
+    // Compact: a vector to be stored in large numbers, perhaps rounded and cheap to copy; results of
+    // computations are Vectors.
     std::constructible_from<typename U::Compact, const typename U::Vector&> &&
     std::constructible_from<typename U::Vector, const typename U::Compact&> &&
     requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
@@ -44,18 +45,19 @@ concept Unknowns =
       { unknowns.inner(u, u) } -> std::convertible_to<double>;
       // The functional inner(u, ·), in the form that pairings() takes: the inverse of the Riesz map.
       { unknowns.dual(u) } -> std::same_as<typename U::Vector>;
-      // (dual(v_i), w): inner(v_i, w_j) (duals × list) in one pass over the w_j, since lists of them are
-      // long.
+      // pairings(dual(v_i), w) gives inner(v_i, w_j) (duals × list), in one pass over the w_j, since such
+      // lists are long.
       { unknowns.pairings(duals, list) } -> std::same_as<std::vector<double>>;
-      // Whether there are bounds; without them the next two change nothing.
+      // Returns whether there are bounds; without bounds project() and zero_blocked() change nothing.
       { unknowns.bounded() } -> std::convertible_to<bool>;
       // Projects onto the bounds: the nearest point by inner().
       { unknowns.project(w) };
-      // (w, u, d): w = 0 where u is at a bound and d points out of it; an orthogonal projection by inner().
+      // zero_blocked(w, u, d): sets w = 0 where u is at a bound and d points out of it; an orthogonal
+      // projection in inner().
       { unknowns.zero_blocked(w, u, u) };
     };
 
-/// a − b.
+/// Returns a − b.
 template <class Vector>
 Vector difference(Vector a, const Vector& b) {
   a.add(-1, b);
@@ -79,7 +81,8 @@ typename U::Vector projected(const U& unknowns, typename U::Vector u) {
   return u;
 }
 
-/// Norm of u − P(u − g), which is zero exactly at stationary points.
+/// Returns the stationarity measure ‖u − P(u − g)‖ with P the projection onto the bounds, which is zero
+/// exactly at stationary points; ‖g‖ without bounds.
 template <Unknowns U>
 double stationarity(const U& unknowns, const typename U::Vector& u, const typename U::Vector& g) {
   if (!unknowns.bounded())
@@ -87,7 +90,7 @@ double stationarity(const U& unknowns, const typename U::Vector& u, const typena
   return norm(unknowns, difference(projected(unknowns, difference(u, g)), u));
 }
 
-/// The projection of d onto the tangent cone of the bounds at u.
+/// Returns the projection of d onto the tangent cone of the bounds at u.
 template <Unknowns U>
 typename U::Vector tangential(const U& unknowns, const typename U::Vector& u, const typename U::Vector& d) {
   typename U::Vector along = d;
@@ -95,8 +98,9 @@ typename U::Vector tangential(const U& unknowns, const typename U::Vector& u, co
   return along;
 }
 
-/// Serialises a list element by element. One serialize(archive) both writes and reads the state of a method;
-/// an archive takes numbers, lists of numbers and shared vectors by name.
+/// Writes or reads a list element by element with `each(element, name)`. The same serialize(archive) of a
+/// method both writes and reads its state; an archive takes numbers, lists of numbers and shared vectors by
+/// name.
 template <class Archive, class T, class Each>
 void serialize_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
   auto count = static_cast<int>(list.size());
@@ -106,7 +110,7 @@ void serialize_list(Archive& archive, const std::string& name, std::vector<T>& l
     each(list[i], name + "/" + std::to_string(i));
 }
 
-/// Piecewise smooth function J of unknowns; the problem is their space, too.
+/// Piecewise smooth function J of unknowns; a problem is also the space of its unknowns.
 template <class P>
 concept Differentiable = Unknowns<P> && requires(P& problem, const typename P::Vector& u) {
   { problem.value(u) } -> std::convertible_to<double>; // J(u); u becomes the trial. Throws SolverFailure
@@ -120,7 +124,7 @@ concept TwiceDifferentiable = Differentiable<P> && requires(P& problem, const ty
   { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
 };
 
-/// A point with J and its gradient there.
+/// Point u with the value of J and its gradient g there.
 template <Unknowns U>
 struct Iterate {
   typename U::Vector u;
@@ -130,7 +134,8 @@ struct Iterate {
 
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Returns J at u, which becomes the trial; none where a solver fails, which counts as too long a step.
+/// Returns J at u, which becomes the trial. Returns nothing if a solver fails, which counts as too long a
+/// step.
 template <Differentiable P>
 std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   try {
@@ -140,7 +145,8 @@ std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   }
 }
 
-/// Returns J and its gradient at u, which becomes the trial; none where a solver fails or J is not finite.
+/// Returns u with J and its gradient there; u becomes the trial. Returns nothing if a solver fails or J is
+/// not finite.
 template <Differentiable P>
 std::optional<Iterate<P>> evaluated(P& problem, typename P::Vector u) {
   const double value = attempt(problem, u).value_or(nan);

@@ -5,7 +5,7 @@
 namespace signorini::problem {
 namespace {
 
-/// Owns the parts of a model.
+/// Owns the objects to which a control::Model refers.
 struct Parts {
   Parts(const ParameterProblem& of, std::span<const double> x, std::size_t columns, trajectory::Stops stops,
         Timers& timers)
@@ -21,7 +21,7 @@ struct Parts {
   std::vector<double> theta;
   scene::Scene scene;
   Problem problem;
-  std::optional<GivenControl> given; ///< unless a control is sought
+  std::optional<GivenControl> given; ///< the scene's control; absent if a control is sought
   control::Measurements measurements;
   step::ParameterRates rates;
   trajectory::StateStoreFactory storage;
@@ -29,7 +29,7 @@ struct Parts {
 
 } // namespace
 
-ParameterProblem::ParameterProblem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
+ParameterProblem::ParameterProblem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
                                    Timers& timers, const ControlProblem* control)
     : scene(s), discretisation(std::move(shared)), misfit(s, io::read_data(discretisation->space.comm(), s)),
       reduced([this](std::span<const double> x, std::size_t columns,

@@ -32,10 +32,10 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene, const mesh::Meshi
   return mesh;
 }
 
-/// Whether simulate applies a control.
+/// Whether a simulation of the scene applies a control.
 bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
 
-/// Whether a load, control or objective is given by its density in the body, which needs W.
+/// Whether a load, control or objective is a density in the body, which needs the matrix W.
 bool has_densities(const scene::Scene& scene, bool optimal_control) {
   const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
   return (scene.load && scene.load->body) ||
@@ -45,11 +45,11 @@ bool has_densities(const scene::Scene& scene, bool optimal_control) {
 
 using Displacements = std::unique_ptr<const step::Displacements>;
 
-/// The motion under a reference control.
+/// Simulates the motion under a reference control and stores the states.
 Displacements computed(const Problem& problem, const control::ControlSpace& controls,
                        const control::Control& reference, const trajectory::StateStoreFactory& storage,
                        const Console& console) {
-  /// Owns the control's force too: steps are recomputed with it where the storage keeps checkpoints.
+  /// Motion under a control. Owns the control's force, with which checkpointed steps are recomputed.
   class Computed final : public step::Displacements {
   public:
     Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
@@ -113,7 +113,7 @@ private:
   mutable int last_ = -1; ///< step last evaluated: it is requested several times in a row
 };
 
-/// Motion that is constant in time.
+/// A motion that is constant in time: its displacement is interpolated once.
 class Constant final : public step::Displacements {
 public:
   Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
@@ -139,16 +139,17 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
                    : given_motion(problem, storage.in_memory());
 }
 
-/// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
-/// machine's memory, one machine for each rank. The number of steps is then unintended, and Linux would grant
-/// the memory until it kills the program.
+/// Throws UserError if a control and, if `motion`, the states of a motion would exceed the machine's memory,
+/// counted once for each rank. So many steps are hardly intended, and Linux would grant the memory until it
+/// kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
   const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
   const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
-    throw UserError(fmt::format("time.step: found {:.10g} s, which makes {} steps, of which a control{} "
-                                "alone take {:.3g} GB of memory; this machine has {:.3g} GB",
+    throw UserError(fmt::format("time.step: found {:.10g} s, which gives {} steps. For these, a control{} "
+                                "would need {:.3g} GB of memory, but this machine has {:.3g} GB; use longer "
+                                "steps",
                                 problem.scene.time.step, problem.steps(), kept ? " and a motion" : "",
                                 needed / 1e9, room / 1e9));
 }
@@ -197,12 +198,12 @@ step::Stepper::Needs fit_needs(const scene::Scene& scene) {
   return {.derivatives = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
 }
 
-Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
-                               const mesh::Meshing& meshing)
+SpaceDiscretisation::SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
+                                         const mesh::Meshing& meshing)
     : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene, meshing); })),
       space(mesh, scene.mesh.degree) {}
 
-Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
+Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
                  step::Stepper::Needs needs, Timers& t, trajectory::Stops stops)
     : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
       space(discretisation->space),
@@ -236,8 +237,8 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   controls_.emplace(problem.space, problem.operators, problem.grid, control);
   if (controls_->stepwise() && !problem.grid.complete()) {
     if (control.stored)
-      throw UserError("control.initial: found the control of a run with time.step = \"auto\"; use one on "
-                      "intervals of its own (control.step), or expressions");
+      throw UserError("control.initial: found the control of a run with time.step = \"auto\"; use a control "
+                      "with intervals of fixed length (control.step), or expressions");
     force_ = std::make_unique<control::SampledForce>(*controls_, *control.initial, "control.initial", true);
     return;
   }
@@ -264,7 +265,8 @@ void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console
     shortest = std::min(shortest, grid.length(k));
     longest = std::max(longest, grid.length(k));
   }
-  console.line(fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were repeated",
+  console.line(fmt::format("{} steps of {:.3g} s to {:.3g} s, chosen in a preliminary motion with {} "
+                           "repeated steps",
                            grid.steps(), shortest, longest, control.rejected()));
   problem.grid = grid;
 }
@@ -331,8 +333,9 @@ std::optional<Warning> desired_warning(const Problem& problem) {
   if (!(apart > alike * longest))
     return std::nullopt;
   return Warning{"desired motion between stored times",
-                 fmt::format("the states of {} are up to {:.3g} s apart, with steps of {:.3g} s here, and "
-                             "interpolated linearly; give that run output.every = 1",
+                 fmt::format("the stored states of {} are up to {:.3g} s apart, but the steps here are "
+                             "{:.3g} s; states are interpolated linearly. Repeat that run with output.every "
+                             "= 1",
                              run->folder.string(), apart, longest),
                  apart / longest, alike};
 }

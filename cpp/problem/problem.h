@@ -7,42 +7,45 @@
 
 namespace signorini::problem {
 
-/// Mesh of a scene and the functions on it, independent of all unknown parameters.
-struct Discretisation {
-  /// Collective. Throws UserError.
-  Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers, const mesh::Meshing& meshing = {});
+/// Mesh of a scene and the finite-element space on it; neither depends on unknown parameters.
+struct SpaceDiscretisation {
+  /// Reads or generates the mesh of a scene. Throws UserError. Collective.
+  SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
+                      const mesh::Meshing& meshing = {});
 
   mesh::Mesh mesh;
   fem::Space space;
 };
 
-/// A scene set up for simulation: the modules by value, in the order of their dependence.
+/// A scene set up for simulation: discretisation, matrices, time stepper, initial state and loads.
 struct Problem {
-  /// Collective. Throws UserError, SolverFailure, Interrupted.
+  /// Sets up the problem of a scene on a discretisation of its own. Throws UserError, SolverFailure,
+  /// Interrupted. Collective.
   Problem(MPI_Comm comm, const scene::Scene& s, step::Stepper::Needs needs, Timers& t)
-      : Problem(std::make_shared<const Discretisation>(comm, s, t), s, needs, t) {}
-  /// Sets the problem up on a discretisation that several problems share.
-  Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s, step::Stepper::Needs needs,
-          Timers& t, trajectory::Stops stops = trajectory::Stops::obeyed);
+      : Problem(std::make_shared<const SpaceDiscretisation>(comm, s, t), s, needs, t) {}
+  /// Sets up the problem of a scene on a discretisation that several problems share. `stops`: whether a
+  /// request to stop throws Interrupted. Collective.
+  Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
+          step::Stepper::Needs needs, Timers& t, trajectory::Stops stops = trajectory::Stops::obeyed);
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
   const scene::Scene& scene;
   Timers& timers;
-  std::shared_ptr<const Discretisation> discretisation; ///< may be shared with other problems
+  std::shared_ptr<const SpaceDiscretisation> discretisation; ///< may be shared with other problems
   const mesh::Mesh& mesh;
   const fem::Space& space;
   fem::Operators operators;
   step::Stepper stepper;
-  step::TimeGrid grid; ///< the steps; none until choose_steps() where their lengths vary
+  step::TimeGrid grid; ///< the time steps; steps of varying length are set by choose_steps() or a simulation
   step::State initial;
   std::optional<step::SceneLoad> scene_load;
-  std::optional<diagnostics::Probes> probes; ///< absent if the scene has none
+  std::optional<diagnostics::Probes> probes; ///< absent if the scene has no probes
 
-  /// The scene's loads, null if it has none.
+  /// The scene's loads; null if the scene has none.
   [[nodiscard]] const step::SceneLoad* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
-  /// All forces on the body: the scene's loads and, if given, a control's, which must outlive the result.
-  /// Collective.
+  /// All forces on the body: the scene's loads and the force of `control`, unless null. `control` must
+  /// outlive the result. Collective.
   [[nodiscard]] step::ForceAtStep load(const step::Load* control = nullptr) const {
     return {space, {scene_loads(), control}};
   }
@@ -51,42 +54,49 @@ struct Problem {
   [[nodiscard]] long free_dofs() const;
 };
 
-/// Requirements of each verb on the solvers, if known before it starts.
+/// Requirements of a simulation on the solvers: derivatives, and the number of passes over all steps.
 [[nodiscard]] step::Stepper::Needs simulation_needs(const scene::Scene& scene);
-[[nodiscard]] step::Stepper::Needs study_needs(const scene::Scene& scene); ///< needs of a rung
+/// Requirements of one rung of a study on the solvers.
+[[nodiscard]] step::Stepper::Needs study_needs(const scene::Scene& scene);
+/// Requirements of the verb check on the solvers.
 [[nodiscard]] step::Stepper::Needs check_needs(const scene::Scene& scene);
+/// Requirements of a search for a control on the solvers.
 [[nodiscard]] step::Stepper::Needs search_needs(const scene::Scene& scene);
-[[nodiscard]] step::Stepper::Needs fit_needs(const scene::Scene& scene); ///< needs of one evaluation
+/// Requirements of one evaluation of a fit on the solvers.
+[[nodiscard]] step::Stepper::Needs fit_needs(const scene::Scene& scene);
 
-/// Stores of the states of motions, those of controls or of the desired one. If the latter is computed, each
-/// kind may use half of the scene's budget.
+/// Makes stores for the states of motions, as the scene's [trajectory] selects. If the desired motion is
+/// computed from a reference control, one factory may use half of the scene's budget.
 [[nodiscard]] trajectory::StateStoreFactory state_stores(const Problem& problem);
 
-/// Desired motion of a scene, given by expressions or by a run; `keep`: whether all of its states are kept in
-/// memory. Collective. `problem` must outlive it. Throws UserError.
+/// Desired motion of a scene that gives it by expressions or by an earlier run. `keep`: whether to keep all
+/// states in memory. Throws UserError. Collective. `problem` must outlive the result.
 std::unique_ptr<const step::Displacements> given_motion(const Problem& problem, bool keep);
 
-/// Warns if a run whose motion is desired stored fewer states than this run has. Collective.
+/// Warns if the desired motion is that of an earlier run and the run's stored states are farther apart in
+/// time than 1.5 steps of this run. Collective.
 std::optional<Warning> desired_warning(const Problem& problem);
 
-/// Control that a scene gives (control.initial, within its bounds), for runs that do not optimise. If the
-/// lengths of steps are still to be chosen and it is constant on each step, it is evaluated step by step.
+/// Control that a scene gives by control.initial, clipped to the bounds, for runs that do not optimise. If
+/// the control is constant on each time step and step lengths are chosen during the motion, the control is
+/// evaluated step by step.
 class GivenControl {
 public:
-  /// Collective. `problem` must outlive this object. Throws UserError.
+  /// Reads or interpolates the control. Throws UserError. Collective. `problem` must outlive this object.
   explicit GivenControl(const Problem& problem);
   GivenControl(const GivenControl&) = delete;
   GivenControl& operator=(const GivenControl&) = delete;
 
-  /// Whether there is a control.
+  /// Whether the scene gives a control other than zero.
   [[nodiscard]] bool acts() const { return force_ != nullptr; }
 
-  /// The control's force, null without one.
+  /// The force of the control; null if acts() is false.
   [[nodiscard]] const step::Load* force() const { return force_.get(); }
-  /// All forces on the body, the control's included; valid as long as this object lives.
+  /// All forces on the body: the scene's loads and the force of the control. Valid as long as this object.
   [[nodiscard]] step::ForceAtStep load() const;
 
-  /// The control on the steps of `controls`, zero where the scene gives none. Collective. Throws UserError.
+  /// The control as an element of the space `controls`; zero if acts() is false. Throws UserError.
+  /// Collective.
   [[nodiscard]] control::Control control(const control::ControlSpace& controls) const;
 
 private:
@@ -96,32 +106,35 @@ private:
   std::unique_ptr<const step::Load> force_;
 };
 
-/// Sets the steps of the problem, if their lengths vary and are not known yet, by a motion under a control:
-/// the one that the scene gives or, without one, that of the desired motion. Objects that refer to the steps
-/// must be made afterwards. Collective. Throws UserError, SolverFailure, Interrupted.
+/// Sets the time steps of a problem whose step lengths vary, unless they are set already. Simulates a
+/// preliminary motion under the control that the scene gives, else under the reference control. Construct
+/// objects that refer to the steps afterwards. Throws UserError, SolverFailure, Interrupted. Collective.
 void choose_steps(Problem& problem, const Console& console);
-/// Sets the steps by a motion under `load`, whether or not they are known.
+/// Sets the time steps of a problem whose step lengths vary by a preliminary motion under `load`, even if the
+/// steps are set already. Throws SolverFailure, Interrupted. Collective.
 void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console& console);
-/// Sets the steps by a motion under a control of other steps, or of another mesh.
+/// Sets the time steps of a problem whose step lengths vary by a preliminary motion under u, a control of the
+/// space `from` with other steps or on another mesh. Throws UserError, SolverFailure, Interrupted.
+/// Collective.
 void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console);
 
-/// Control problem of a scene: control, objective, desired motion and reduced problem.
+/// Optimal-control problem of a scene: control space, objective, desired motion and reduced problem.
 struct ControlProblem {
-  /// Computes the desired states, by simulating the reference control if there is one. Collective. Throws
-  /// UserError, SolverFailure, Interrupted.
+  /// Computes the desired states, by a simulation under the reference control if the scene has one. Throws
+  /// UserError, SolverFailure, Interrupted. Collective.
   ControlProblem(const Problem& problem, const Console& console);
   ControlProblem(const ControlProblem&) = delete;
   ControlProblem& operator=(const ControlProblem&) = delete;
 
   control::ControlSpace controls;
-  std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
-  /// Stores for the motions of controls, of which one is read at a time, and for the desired motion.
+  std::optional<control::Control> reference; ///< the reference control; absent if the scene has none
+  /// Make the stores for the states of motions under controls, and of the desired motion.
   trajectory::StateStoreFactory storage, desired_storage;
   control::Objective objective;
   control::ReducedProblem reduced;
 
-  /// The scene's first guess, within the bounds.
+  /// The scene's first guess, clipped to the bounds. Throws UserError. Collective.
   [[nodiscard]] control::Control first_guess(const scene::Scene& scene) const;
 };
 

@@ -6,7 +6,7 @@ namespace signorini::problem {
 
 namespace {
 
-/// The motion under a reference control, computed step by step on demand.
+/// Motion under a reference control, computed step by step on demand; steps must be requested in order.
 class Marching final : public step::Displacements {
 public:
   Marching(const Problem& problem, const control::ControlSpace& controls, const scene::Components& reference)

@@ -4,20 +4,22 @@
 
 namespace signorini::problem {
 
-/// J of a motion that is simulated under the scene's given control, sampled frame by frame, even if its steps
-/// are chosen during the run. A desired motion of a control is simulated beside it; at most two states of
-/// either are in memory.
+/// Computes the objective J of a simulation under the scene's given control, frame by frame. Step lengths may
+/// be chosen during the simulation. A desired motion under a reference control is simulated alongside, with
+/// two of its states in memory.
 class RunObjective {
 public:
-  /// The scene must have an objective. Collective. The references must outlive this object. Throws UserError.
+  /// Prepares the desired motion; the scene must have an objective. Throws UserError. Collective. The
+  /// references must outlive this object.
   RunObjective(const Problem& problem, const GivenControl& given);
   RunObjective(const RunObjective&) = delete;
   RunObjective& operator=(const RunObjective&) = delete;
 
-  /// Takes the frames 0…N one after another. Collective. Throws UserError, SolverFailure.
+  /// Adds a frame of the simulation; must be called for all frames 0…N in order. Throws UserError,
+  /// SolverFailure. Collective.
   void observe(const trajectory::Frame& frame);
 
-  /// J, once all frames have been taken and the problem has all its steps. Collective.
+  /// The objective J; valid after the last frame, when the problem's time steps are complete. Collective.
   [[nodiscard]] control::ObjectiveValue value() const;
 
 private:

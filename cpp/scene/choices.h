@@ -6,13 +6,14 @@
 #include <string_view>
 #include <vector>
 
-/// Choices of a scene, each with its names in scene files, in the order of the enumerators.
+/// Enumerations of a scene. names() of each returns the enumerators' names in scene files, in the order of
+/// the enumerators.
 namespace signorini::scene {
 
 template <std::size_t n>
 using Names = std::array<std::string_view, n>;
 
-/// Unit of the coordinates in a mesh file.
+/// Unit of the coordinates in a mesh file; metres() returns its length, m.
 enum class LengthUnit { m, cm, mm, um, in };
 constexpr Names<5> names(LengthUnit) { return {"m", "cm", "mm", "um", "in"}; }
 constexpr double metres(LengthUnit unit) {
@@ -23,30 +24,31 @@ constexpr double metres(LengthUnit unit) {
 enum class TimeScheme { contact_implicit, contact_stabilized };
 constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
 
-/// Quantity whose error steps of varying length keep small.
+/// Quantity whose error controls the length of time steps that vary.
 enum class StepQuantity { displacement, contact_force, energy };
 constexpr Names<3> names(StepQuantity) { return {"displacement", "contact-force", "energy"}; }
 
 enum class Component { x, y, z };
 constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 
-/// Whether contact nodes have mass along ν; docs/method.md section 2.
+/// Mass of the nodes of candidates along the contact normal ν: kept, or moved to their neighbours;
+/// docs/method.md section 2.
 enum class ContactMass { consistent, massless };
 constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
 
-/// Treatment of contact in the time stepping (docs/method.md section 2): time.scheme and contact.mass of a
-/// scene as one choice. mixed: contact-implicit, with some obstacles that take the mass of their candidates
-/// and others that do not.
+/// Treatment of contact in the time stepping (docs/method.md section 2), from the keys time.scheme and
+/// contact.mass. mixed: contact-implicit steps in which the candidates of some, but not all, obstacles have
+/// no mass.
 enum class ContactScheme { contact_implicit, contact_stabilized, massless, mixed };
 constexpr Names<4> names(ContactScheme) {
   return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
 }
-/// Whether there are candidates without mass.
+/// Whether a scheme has candidates without mass.
 constexpr bool takes_mass(ContactScheme scheme) {
   return scheme == ContactScheme::massless || scheme == ContactScheme::mixed;
 }
 
-/// Treatment of nodes that start inside the obstacle: an error, or a move out of it.
+/// Treatment of nodes that start inside an obstacle: outside: an error; project: a move out of the obstacle.
 enum class ContactStart { outside, project };
 constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
 
@@ -58,7 +60,7 @@ constexpr Names<4> names(Shape) { return {"half-space", "ball", "cylinder", "sig
 enum class Side { outside, inside };
 constexpr Names<2> names(Side) { return {"outside", "inside"}; }
 
-/// Places of a control's values: the nodes, or one in each cell.
+/// Kind of a control's values: one at each node, or one in each cell.
 enum class ControlValues { nodal, cellwise };
 constexpr Names<2> names(ControlValues) { return {"nodal", "cellwise"}; }
 
@@ -84,7 +86,7 @@ constexpr Names<14> names(Parameter) {
           "position", "angle",   "center", "radius", "load.body", "load.gravity",         "load.traction"};
 }
 
-/// Scale on which an unknown is sought and its uncertainty given.
+/// Scale on which a fit varies an unknown and reports its uncertainty.
 enum class ParameterScale { linear, logarithmic };
 constexpr Names<2> names(ParameterScale) { return {"linear", "log"}; }
 
@@ -110,15 +112,16 @@ constexpr Names<4> names(OptimizerMethod) {
   return {"lbfgs", "newton-cg", "projected-gradient", "gauss-newton"};
 }
 
-/// Start of a search: the optimum of coarser meshes and longer steps, or the first guess.
+/// Start of a search: coarse: the optimum on a coarser mesh with longer steps; guess: the first guess.
 enum class SearchStart { coarse, guess };
 constexpr Names<2> names(SearchStart) { return {"coarse", "guess"}; }
 
-/// Solver of the variational inequalities: in the candidates alone, or PETSc's on all unknowns.
+/// Solver of the variational inequalities: condensed: on the candidates alone; full: PETSc's, on all
+/// unknowns.
 enum class ViMethod { condensed, full };
 constexpr Names<2> names(ViMethod) { return {"condensed", "full"}; }
 
-/// Solver of systems with D; automatic: by memory and estimated run time.
+/// Solver of linear systems with the step matrix D; automatic: chosen by memory and estimated run time.
 enum class LinearMethod { automatic, direct, iterative };
 constexpr Names<3> names(LinearMethod) { return {"auto", "direct", "iterative"}; }
 
@@ -126,7 +129,7 @@ constexpr Names<3> names(LinearMethod) { return {"auto", "direct", "iterative"};
 enum class Storage { memory, disk, checkpoints };
 constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
 
-/// Reaction to a violated invariant: a warning at the end, a stop there, or no check at all.
+/// Reaction to a violated invariant: warn: a warning at the end; stop: a stop at the step; off: no check.
 enum class OnViolation { warn, stop, off };
 constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 
@@ -140,13 +143,13 @@ constexpr Names<7> names(StoredTable) {
   return {"steps", "contact", "obstacles", "probes", "history", "parameters", "measurements"};
 }
 
-/// The name of a choice.
+/// Name of an enumerator in scene files.
 template <class E>
 std::string name(E value) {
   return std::string(names(value)[static_cast<std::size_t>(value)]);
 }
 
-/// Names of all choices of a kind.
+/// Names of all enumerators of E in scene files.
 template <class E>
 std::vector<std::string> all_names() {
   const auto all = names(E{});

@@ -10,7 +10,7 @@ namespace signorini::scene {
 
 namespace {
 
-/// Whether the key `name`, with the numbers of tables, matters to the problem or to `besides`.
+/// Whether the key `name`, such as material[0].young, affects the problem or the part `besides`.
 bool matters(const std::string& name, Part besides) {
   const auto key = std::ranges::find(keys(), without_numbers(name), &KeyLine::name);
   return key == keys().end() || key->part == Part::problem || key->part == besides;
@@ -37,8 +37,8 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   values[key] = text.str();
 }
 
-/// Parses a scene as a run wrote it. Paths need not be UTF-8, as TOML has to be: then each of their bytes is
-/// taken as a character.
+/// Parses a scene that a run wrote. TOML must be UTF-8, but paths need not be; if parsing fails, each byte of
+/// the text that is not ASCII is read as one character.
 toml::table parsed(const std::string& scene) {
   try {
     return toml::parse(scene);

@@ -10,22 +10,23 @@ namespace signorini::scene {
 /// Keys of a resolved scene that define how its control acts and on which intervals it is constant.
 struct ControlKeys {
   double scale = 1;
-  std::string on;                      ///< empty: the body
-  std::vector<std::string> components; ///< empty: all
+  std::string on;                      ///< group where the control acts; empty: the body
+  std::vector<std::string> components; ///< components in which the control acts; empty: all
   bool constant_in_time = false;
-  double step = 0;      ///< length of the control's own intervals, s; 0: the time steps
-  double time_step = 0; ///< s; 0: varying
-  double end = 0;       ///< s
+  double step = 0;      ///< length of the intervals on which the control is constant, s; 0: the time steps
+  double time_step = 0; ///< length of the time steps, s; 0: varying
+  double end = 0;       ///< end of the motion, s
 };
-/// Reads the keys of the control; absent if the text is no resolved scene with a control.
+/// Reads the keys of the control from the text of a resolved scene; absent if the text is not TOML or has no
+/// control or end time.
 std::optional<ControlKeys> control_keys(const std::string& scene);
 
-/// A key in which two problems differ, as "key = value" of the first and of the second.
+/// A key in which two scenes differ.
 struct Difference {
-  std::string first, second;
+  std::string first, second; ///< "key = value", or "no key", in the first and in the second scene
 };
-/// Returns the first difference between two resolved scenes (echo()) in the keys that pose the problem and
-/// those that matter to `besides`; empty texts if there is none.
+/// Returns the first difference between two resolved scenes, as echo() writes them. Compares the keys that
+/// define the problem and the keys that affect the part `besides`. Empty texts if there is no difference.
 Difference difference(const std::string& first, const std::string& second, Part besides = Part::problem);
 
 } // namespace signorini::scene

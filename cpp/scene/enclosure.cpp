@@ -15,7 +15,7 @@ namespace {
 
 using Range = std::function<Interval(const Box&)>;
 
-/// Part of an expression, with slope and value where it is a line slope · t + value.
+/// Part of an expression; if the part is linear in time, slope · t + value, also slope and value.
 struct SubExpression {
   Range range;
   struct Line {
@@ -24,7 +24,7 @@ struct SubExpression {
   std::optional<Line> line{};
 };
 
-/// Thrown for parts of the language that this file does not support.
+/// Exception for parts of muParser's language that this file does not support.
 struct NotEnclosed {};
 
 const Interval all_numbers(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
@@ -38,7 +38,7 @@ Interval truth(bool never, bool always) { return {always ? 1.0 : 0.0, never ? 0.
 bool is_true(const Interval& x) { return x.lower() > 0 || x.upper() < 0; }
 bool is_false(const Interval& x) { return x.lower() == 0 && x.upper() == 0; }
 
-/// Range of a function that is defined from `from` on and increases.
+/// Range of an increasing function that is defined for arguments of at least `from`.
 template <double (*f)(double)>
 Interval growing(const Interval& x, double from) {
   if (x.lower() < from)
@@ -143,13 +143,13 @@ struct Comparison {
   std::string_view token;
   Interval (*compare)(const Interval& a, const Interval& b);
 };
-/// Comparison operators, the longer tokens first.
+/// Comparison operators, longer ones first, so that "<=" is not read as "<".
 constexpr Comparison comparisons[]{
     {"<=", at_most}, {">=", [](const Interval& a, const Interval& b) { return at_most(b, a); }},
     {"==", equal},   {"!=", [](const Interval& a, const Interval& b) { return 1.0 - equal(a, b); }},
     {"<", below},    {">", [](const Interval& a, const Interval& b) { return below(b, a); }}};
 
-/// A recursive descent through muParser's operators, from the weakest on.
+/// Recursive-descent parser of muParser's operators, from the lowest precedence to the highest.
 class ExpressionReader {
 public:
   explicit ExpressionReader(std::string_view text) : left_(text) {}
@@ -181,7 +181,7 @@ private:
       throw NotEnclosed();
   }
 
-  /// Adds the time at which two parts are equal to the knots, if both are lines over time.
+  /// Adds to the knots the time at which two parts are equal, if both are linear in time.
   void meet(const SubExpression& a, const SubExpression& b) {
     if (a.line && b.line && a.line->slope != b.line->slope)
       knots.push_back((b.line->value - a.line->value) / (a.line->slope - b.line->slope));
@@ -280,7 +280,7 @@ private:
     return part;
   }
 
-  /// Parses a sign and a power. The sign binds less: −2^2 is −4.
+  /// Parses a sign and a power. The power has the higher precedence: −2^2 is −4.
   SubExpression signed_power() {
     if (take("+"))
       return signed_power();

@@ -8,29 +8,33 @@
 
 namespace signorini::scene {
 
-/// A range of numbers, either end of which may be infinite.
+/// An interval of numbers, either end of which may be infinite.
 using Interval = boost::numeric::interval<
     double,
     boost::numeric::interval_lib::policies<boost::numeric::interval_lib::save_state_nothing<
                                                boost::numeric::interval_lib::rounded_transc_exact<double>>,
                                            boost::numeric::interval_lib::checking_base<double>>>;
 
-/// Ranges of x, y, z (m) and t (s).
+/// Intervals of x, y, z (m) and t (s).
 using Box = std::array<Interval, 4>;
 
-/// Bounds of an expression over a box, which no sampling can give, and the times at which it changes. Reads
-/// the language of muParser, by which Field evaluates. Ends are rounded to nearest.
+/// Computes bounds of an expression over a box by interval arithmetic, which hold at all points unlike
+/// samples, and the times at which the expression may change. Reads the language of muParser, with which
+/// Field evaluates expressions. The ends of intervals are rounded to nearest.
 class Enclosure {
 public:
-  /// Makes an enclosure of no expression: known() is false.
+  /// Makes an enclosure without an expression: known() is false.
   Enclosure() = default;
-  /// Reads an expression that muParser has accepted; known() is false if this class cannot read it.
+  /// Reads an expression that muParser has accepted; known() is false if the expression has parts that this
+  /// class does not support.
   explicit Enclosure(const std::string& expression);
 
+  /// Whether an expression was read.
   [[nodiscard]] bool known() const { return known_; }
-  /// Range of values over a box, or a larger one: all numbers if the expression is not known.
+  /// Interval that contains all values of the expression in a box; all numbers unless known().
   [[nodiscard]] Interval operator()(const Box& box) const;
-  /// Times (s) at which t passes a number that it is compared with, in no order.
+  /// Times (s) at which the result of a comparison in the expression changes, unsorted. Only comparisons
+  /// between linear functions of t count.
   [[nodiscard]] const std::vector<double>& knots() const { return knots_; }
 
 private:

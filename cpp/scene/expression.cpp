@@ -11,7 +11,7 @@
 namespace signorini::scene {
 namespace {
 
-/// Whether an expression has an = that belongs to no comparison: muParser would assign to a variable.
+/// Whether an expression has an = outside of a comparison, which muParser would take as an assignment.
 bool assigns(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '=') {
@@ -44,9 +44,9 @@ struct Field::Impl {
   Components text;
   std::string key;
   std::array<double, 4> variables{};
-  /// Parsed expression of a component.
+  /// One component, parsed.
   struct Component {
-    mu::Parser parser; ///< has no expression for a time series
+    mu::Parser parser; ///< without an expression if the component is a time series
     Enclosure enclosure;
     bool depends_on_time = false, depends_on_place = false;
   };

@@ -10,15 +10,15 @@
 
 namespace signorini::scene {
 
-/// Description of the parts of expressions except the variables: operators, functions, constants.
+/// Description of the operators, functions and constants of expressions, for users.
 const std::string& expression_parts();
 
-/// A vector field given by one expression (muParser) per component in x, y, z (m) and t (s), with the
-/// constants pi and e, or by time series. Not collective.
+/// A vector field whose components are expressions (muParser) of x, y, z (m) and t (s) or time series. Not
+/// collective.
 class Field {
 public:
-  /// Parses the expressions. `time`: whether they may depend on t. Throws UserError, naming `key`, if an
-  /// expression does not parse or uses an unknown variable.
+  /// Parses the expressions of the components. `time`: whether the expressions may depend on t. Throws
+  /// UserError, naming `key`, if an expression does not parse or uses an unknown variable.
   Field(Components components, const std::string& key, bool time);
   ~Field();
   Field(Field&&) noexcept;
@@ -26,29 +26,30 @@ public:
 
   /// Number of components.
   [[nodiscard]] std::size_t size() const;
-  /// Whether an expression uses t, or is a time series.
+  /// Whether any component uses t or is a time series.
   [[nodiscard]] bool depends_on_time() const;
   [[nodiscard]] bool depends_on_time(std::size_t component) const;
-  /// Whether an expression uses x, y or z.
+  /// Whether any component uses x, y or z.
   [[nodiscard]] bool depends_on_place() const;
   [[nodiscard]] bool depends_on_place(std::size_t component) const;
-  /// Key of the field, for messages.
+  /// Key of the scene that gives the field, for messages.
   [[nodiscard]] const std::string& key() const;
 
-  /// Evaluates at the point `x` (3), m, and time `t`, s, into `values` (size()). Throws UserError, naming
-  /// key, point and time, if a value is not finite.
+  /// Evaluates all components at the point `x` (3), m, and time `t`, s, into `values` (size()). Throws
+  /// UserError, naming key, point and time, if a value is not finite.
   void evaluate(const double* x, double t, double* values) const;
-  /// Value of one component at the point `x` (3), m, and time `t`, s. Throws as evaluate().
+  /// Value of one component at the point `x` (3), m, and time `t`, s. Throws UserError like evaluate().
   [[nodiscard]] double value(std::size_t component, const double* x, double t) const;
 
   /// Time series of a component, null for an expression.
   [[nodiscard]] const TimeSeries* series(std::size_t component) const;
   /// Bounds of the values of a component that is an expression.
   [[nodiscard]] Interval enclose(std::size_t component, const Box& box) const;
-  /// Times (s) at which the expressions of all components compare t with numbers, in no order.
+  /// Times (s) at which comparisons in the components' expressions change (Enclosure::knots()), unsorted.
   [[nodiscard]] std::vector<double> knots() const;
 
-  /// Slope over time of a component that is a time series, per second (TimeSeries::slope()); else absent.
+  /// Rate of change at time t (s) of a component that is a time series, per second, as TimeSeries::slope()
+  /// defines it; absent for an expression.
   [[nodiscard]] std::optional<double> slope(std::size_t component, double t, bool after) const;
 
 private:

@@ -13,7 +13,8 @@ namespace signorini::scene {
 
 namespace {
 
-/// Throws UserError unless a key is given exactly where it has an effect.
+/// Throws UserError if a `needed` key is missing, or if a key is given that is not `allowed`. `otherwise`:
+/// message in the second case.
 void require_where(Reader& in, const char* key, bool needed, bool allowed, const std::string& otherwise) {
   if (needed)
     in.require(key);
@@ -21,7 +22,7 @@ void require_where(Reader& in, const char* key, bool needed, bool allowed, const
     in.fail(key, otherwise);
 }
 
-/// Throws UserError unless the obstacle has the parameter that is unknown.
+/// Throws UserError unless the obstacle of an unknown has the parameter that is unknown.
 void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
   if (scene.contacts.empty())
@@ -46,8 +47,9 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
   if (round && moves(contact.obstacle))
     in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves; it must be at rest", of));
   if (contact.initial == ContactStart::project)
-    in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", so that where nodes "
-                              "start would depend on it; set that to \"outside\"",
+    in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", with which the "
+                              "initial positions of nodes would depend on the unknown; set initial to "
+                              "\"outside\"",
                               of));
 }
 
@@ -58,7 +60,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     in.fail("of", fmt::format("found \"{}\" in a scene without {}; choose what the scene has", of, what));
   };
   const auto one_of = [&](const std::vector<std::string>& groups) {
-    require_where(in, "on", groups.size() > 1, groups.size() > 1, "has no effect: there is only one");
+    require_where(in, "on", groups.size() > 1, groups.size() > 1,
+                  "has no effect, since there is only one; remove it");
     if (unknown.on && std::ranges::find(groups, *unknown.on) == groups.end())
       in.fail("on", fmt::format("found \"{}\"; choices: {}", *unknown.on, list(groups)));
   };
@@ -69,7 +72,7 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     one_of(groups);
     if ((unknown.of == Parameter::bulk || unknown.of == Parameter::shear) &&
         !scene.materials[material_of(scene, unknown)].viscosity)
-      in.fail("of", fmt::format("found \"{}\" of an elastic material; give it a viscosity", of));
+      in.fail("of", fmt::format("found \"{}\" of an elastic material; give the material a viscosity", of));
   } else if (of_obstacle(unknown.of)) {
     require_obstacle_parameter(in, unknown, scene);
   } else if (unknown.of == Parameter::velocity || unknown.of == Parameter::displacement) {
@@ -78,8 +81,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
       absent(velocity ? "initial.velocity" : "initial.displacement");
     const auto moved = [](const Contact& contact) { return contact.initial == ContactStart::project; };
     if (!velocity && std::ranges::any_of(scene.contacts, moved))
-      in.fail("of", fmt::format("found \"{}\" with an obstacle that has initial = \"project\", where nodes "
-                                "start would not follow it; set that to \"outside\"",
+      in.fail("of", fmt::format("found \"{}\" with an obstacle that has initial = \"project\", which changes "
+                                "the initial positions of nodes; set initial to \"outside\"",
                                 of));
   } else if (!scene.load) {
     absent("[load]");
@@ -96,8 +99,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
   }
 }
 
-/// Throws UserError unless a number of the table lies within the parameter's natural limits, and above zero
-/// on a logarithmic scale.
+/// Throws UserError, naming `key`, unless a value is within limits() of an unknown: the parameter's physical
+/// limits, and above zero on a logarithmic scale.
 void require_natural(const Reader& in, const char* key, double value, const Unknown& unknown) {
   if (const Limits possible = limits(unknown); !possible.contain(value))
     in.fail(key, fmt::format("found {:.10g}; expected a number{}", value, possible.range()));
@@ -110,29 +113,29 @@ bool same_target(const Scene& scene, const Unknown& a, const Unknown& b) {
                              : a.on == b.on;
 }
 
-/// Throws UserError if an earlier unknown is the same number. A component of a field and a factor of the
-/// field count as the same.
+/// Throws UserError if an earlier unknown stands for the same number of the scene. A component of a field and
+/// a factor of the whole field count as the same.
 void require_another(const Reader& in, const Unknown& unknown, const Scene& scene) {
   for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i) {
     const Unknown& other = scene.unknowns[i];
     const bool apart = unknown.component && other.component && *unknown.component != *other.component;
     if (other.of == unknown.of && !apart && same_target(scene, other, unknown))
-      in.fail("of", fmt::format("found \"{}\", which {} seeks too; remove one of them", name(unknown.of),
+      in.fail("of", fmt::format("found \"{}\", which {} fits too; remove one of them", name(unknown.of),
                                 unknown_key(i)));
   }
 }
 
-/// Throws UserError unless the component is one of its vector, where the scene gives the vector's size.
+/// Throws UserError unless the vector of an unknown has the unknown's component.
 void require_component(const Reader& in, const Unknown& unknown, const Scene& scene) {
   if (!unknown.component || unknown.of == Parameter::angle)
     return;
   const std::size_t size = components_of(scene, unknown).size();
   if (static_cast<std::size_t>(*unknown.component) >= size)
-    in.fail("component", fmt::format("found \"{}\" of a vector of {} components; choose one of these",
+    in.fail("component", fmt::format("found \"{}\", but the vector has {} components; choose one of these",
                                      name(*unknown.component), size));
 }
 
-/// Throws UserError if the name of an unknown is that of a column of history.csv.
+/// Throws UserError if the name of an unknown is also the name of a column of history.csv.
 void require_free_name(const Reader& in, const std::string& name) {
   constexpr std::array columns{"iteration",      "objective",     "decrement",  "damping",  "forward_sweeps",
                                "adjoint_sweeps", "seconds",       "tracking",   "terminal", "control_cost",
@@ -148,11 +151,11 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
                         unknown.of == Parameter::angle;
   require_where(in, "component", unknown.of == Parameter::center, in_place || unknown.of == Parameter::center,
-                "has no effect on a number without direction");
+                "has no effect on an unknown without direction; remove it");
   if (!of_material(unknown.of) && unknown.of != Parameter::traction && in.has("on"))
-    in.fail("on", "has no effect but on materials and tractions");
+    in.fail("on", "has an effect only on materials and tractions; remove it");
   if (!of_obstacle(unknown.of) && in.has("obstacle"))
-    in.fail("obstacle", "has no effect but on the parameters of obstacles");
+    in.fail("obstacle", "has an effect only on parameters of obstacles; remove it");
   std::string usual = name(unknown.of);
   if (unknown.component)
     usual += " " + name(*unknown.component);
@@ -192,32 +195,34 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
     if (in.has("point") == in.has("on"))
       in.fail("", fmt::format("found {}; give one of point, on", in.has("on") ? "both" : "neither"));
     if (in.has("obstacle"))
-      in.fail("obstacle", fmt::format("has no effect on a {}", of));
+      in.fail("obstacle", fmt::format("has no effect on a {}; remove it", of));
   } else {
     if (scene.contacts.empty())
       in.fail("of", fmt::format("found \"{}\" in a scene without [contact]; add one", of));
     for (const char* key : {"point", "on"})
       if (in.has(key))
-        in.fail(key, "has no effect on what contact does; use it with a displacement or a velocity");
+        in.fail(key, "has no effect on quantities of contact; use it with a displacement or a velocity");
     if (measurement.obstacle)
       require_obstacle(in, *measurement.obstacle, scene);
   }
   require_where(in, "component", measurement.fitted(), measurement.fitted(),
-                "has no effect on what is compared alone");
+                "has no effect on a quantity that is compared, but not fitted; remove it");
   require_where(in, "file", measurement.fitted(), measurement.fitted(),
-                "has no effect on what is compared alone, by value");
-  require_where(in, "value", !measurement.fitted(), !measurement.fitted(), "has no effect beside a file");
-  require_where(in, "column", false, measurement.fitted(), "has no effect without a file");
+                "has no effect on a quantity that is compared, but not fitted; use value");
+  require_where(in, "value", !measurement.fitted(), !measurement.fitted(),
+                "has no effect on a fitted quantity, whose values are in a file; remove it");
+  require_where(in, "column", false, measurement.fitted(),
+                "has no effect on a quantity without a file; remove it");
   require_where(in, "noise", false, measurement.fitted(),
-                "has no effect on what is compared alone; use deviation");
+                "has no effect on a quantity that is compared, but not fitted; use deviation");
   if (measurement.deviation && measurement.noise)
-    in.fail("noise", "found beside deviation; give one of them");
+    in.fail("noise", "found together with deviation; give only one of them");
 }
 
 void require_fit_rules(Reader& in, Scene& scene) {
   if (scene.time.automatic() && !scene.measurements.empty())
-    in.fail("measurement", "found with time.step = \"auto\", whose lengths, chosen for each value of the "
-                           "unknowns, would make the fit rough; give time.step in s");
+    in.fail("measurement", "found with time.step = \"auto\", whose step lengths would change with the "
+                           "unknowns and make the fit non-smooth; give time.step in s");
   if (!scene.unknowns.empty()) {
     // Unknowns are sought together with a control, by lbfgs.
     const OptimizerMethod method = scene.objective ? OptimizerMethod::lbfgs : OptimizerMethod::gauss_newton;
@@ -234,8 +239,8 @@ void require_fit_rules(Reader& in, Scene& scene) {
     in.fail("optimizer.method", "found \"gauss-newton\" without unknowns; add tables [[unknown]]");
   }
   if (!scene.unknowns.empty() && std::ranges::none_of(scene.measurements, &Measurement::fitted))
-    in.fail("unknown", "needs data that determine it; add a table [[measurement]] of another kind than "
-                       "contact times, or remove the unknowns");
+    in.fail("unknown", "needs data to fit; add a table [[measurement]] of a motion, force or impulse, or "
+                       "remove the unknowns");
 }
 
 } // namespace signorini::scene

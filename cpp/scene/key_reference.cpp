@@ -11,7 +11,8 @@ using schema::Entry;
 using schema::Json;
 using schema::KeyInfo;
 
-/// Adds the lines of a table's keys; a key that occurs twice, for two shapes of obstacle, is added once.
+/// Appends the entries of a table's keys to `lines`. `table`: properties that the keys inherit. A key of two
+/// shapes of obstacle is added once.
 void add(const std::vector<Entry>& entries, const std::string& path, const KeyInfo& table,
          std::vector<KeyLine>& lines) {
   for (const Entry& entry : entries) {
@@ -83,9 +84,9 @@ std::string reference() {
   }
   std::erase(text, '`');
   return text +
-         fmt::format("Expressions consist of {}, and of x, y, z (m) and t (s) where the key has them.\n"
-                     "In place of one of t: {{ file = \"table.csv\", column = \"name\" }}, linear between "
-                     "the times of its column \"time\" or \"t\".\n",
+         fmt::format("Expressions consist of {}, and of x, y, z (m) and t (s) where the key has them.\nIn "
+                     "place of an expression in t: {{ file = \"table.csv\", column = \"name\" }}, linear "
+                     "between the times in the file's column \"time\" or \"t\".\n",
                      expression_parts());
 }
 

@@ -6,39 +6,41 @@
 
 namespace signorini::scene {
 
-/// Part of a computation that a key affects: the problem that a scene poses; the search for its solution,
-/// which may continue from a checkpoint; the measurements of a study, of seconds or memory; or none of these.
-/// Paths have `none`: they locate a mesh or a motion but do not define it.
+/// Part of a computation that a key affects. problem: the problem that a scene poses; search: the search for
+/// its solution, which may continue from a checkpoint; measurement: run time or memory, which studies
+/// measure; none: none of these. Paths have `none`, since a path locates a mesh or a motion but does not
+/// define it.
 enum class Part { problem, search, measurement, none };
 
-/// A key of the scene, as the reference describes it; texts are Markdown.
+/// Entry of the key reference: a key of scenes, with texts in Markdown.
 struct KeyLine {
-  std::string name;  ///< such as material.viscosity.bulk, without the numbers of tables
+  std::string name;  ///< full name, such as material.viscosity.bulk, without the numbers of tables
   std::string value; ///< admissible values, with limits
   std::string unit;
   std::string fallback;        ///< default, or "required"; empty: no effect without the key
-  std::string meaning, effect; ///< effect: name in io::effects() that the key belongs to, or empty
+  std::string meaning, effect; ///< explanation; name of the key's effect in io::effects(), or empty
   Part part = Part::problem;
 };
 
-/// Keys of a scene, in the order of scene.toml.
+/// Entries of all keys of a scene, in the order of scene.toml.
 const std::vector<KeyLine>& keys();
 
-/// Returns a key such as material[0].young or material.0.young without the numbers of tables.
+/// Removes the numbers of tables from a key: material[0].young and material.0.young give material.young.
 std::string without_numbers(std::string_view key);
 
-/// Reference of the keys as plain text, a paragraph each.
+/// Reference of all keys as plain text, with a paragraph for each key.
 std::string reference();
-/// Reference of the keys as the table of docs/reference/keys.md.
+/// Reference of all keys as a Markdown table, that of docs/reference/keys.md.
 std::string markdown();
 /// JSON Schema (draft 2020-12) of a scene.
 std::string json_schema();
 
-/// Message for an unknown key, or an unknown name as its value, that requests an effect which the model
-/// lacks; empty for others. `key`: without the numbers of tables, such as contact.friction.
+/// Message for an unknown key, or for an unknown key with a name as its value, that requests an effect
+/// outside the model, such as friction; empty if no such effect is recognised. `key`: full name without the
+/// numbers of tables.
 std::string refusal(std::string_view key, std::string_view value = {});
 
-/// Names of the effects that refusal() refuses, as docs/modelling.md lists them.
+/// Names of the effects outside the model that refusal() recognises, as docs/modelling.md lists them.
 std::vector<std::string> refused_effects();
 
 } // namespace signorini::scene

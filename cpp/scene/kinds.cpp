@@ -17,10 +17,10 @@ const Json number{{"type", "number"}}, text{{"type", "string"}}, expression{{"ty
                 {"required", {"file", "column"}},
                 {"additionalProperties", false}};
 
-/// Throws UserError if an expression depends on place.
+/// Throws UserError if an expression depends on x, y or z.
 void require_time_alone(const Reader& in, Name key, const Components& components) {
   if (Field(components, key, true).depends_on_place())
-    in.fail(key, fmt::format("found {}; expected expressions of t alone", fmt::join(components, ", ")));
+    in.fail(key, fmt::format("found {}; expected expressions in t only", fmt::join(components, ", ")));
 }
 
 } // namespace

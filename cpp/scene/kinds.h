@@ -5,8 +5,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-/// Kinds of values. Each reads a value, given the part of the scene read so far; writes it as TOML; and
-/// describes the admissible values in words and as a JSON schema.
+/// Kinds of values of keys. Each kind has read(), which gets the part of the scene read so far; write(), to
+/// TOML; words(), which describes the admissible values; and schema(), their JSON schema.
 namespace signorini::scene::kind {
 
 using Json = nlohmann::ordered_json;
@@ -15,7 +15,7 @@ using Name = const std::string&;
 std::string written(double value);
 std::string written(const std::string& text);
 std::string written(const Expression& expression);
-/// Writes an expression as TOML, a constant as a number.
+/// Writes an expression as TOML: as a number if the expression is one, else as a string or table.
 std::string written_as_number(const Expression& expression);
 template <class T>
 std::string written(const std::vector<T>& values) {
@@ -24,7 +24,7 @@ std::string written(const std::vector<T>& values) {
     texts.push_back(written(value));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
-/// Names in quotes, as `"a"`, `"b"` for Markdown.
+/// Joins names, each in quotes, for Markdown: `"a"`, `"b"`.
 std::string quoted(const std::vector<std::string>& names);
 
 struct Number {
@@ -35,9 +35,9 @@ struct Number {
   [[nodiscard]] Json schema() const;
 };
 
-/// A number, or "auto", which is stored as `automatic`.
+/// A number or the text "auto".
 struct NumberOrAuto : Number {
-  double automatic = 0;
+  double automatic = 0; ///< number that stands for "auto"
   double read(Reader& in, Name key, const Scene& scene) const;
   [[nodiscard]] std::string write(double value) const {
     return value == automatic ? written(std::string("auto")) : written(value);
@@ -74,7 +74,7 @@ struct Text {
   static Json schema() { return {{"type", "string"}, {"minLength", 1}}; }
 };
 
-/// A path; a relative one is relative to the scene file; stored and written as an absolute one.
+/// A path, stored and written as an absolute path; relative paths are relative to the scene file.
 struct Path : Text {
   static std::filesystem::path read(Reader& in, Name key, const Scene&) {
     return in.followed(in.text(key), key);
@@ -110,12 +110,12 @@ struct Set {
   static Json schema() { return {{"type", "array"}, {"items", Choice<E>::schema()}}; }
 };
 
-/// Components in which a clamp, a load or a control acts.
+/// A list of the components in which a clamp or control acts; at least one.
 struct Acting : Set<Component> {
   static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
 };
 
-/// Expression of place, with `time` of t too.
+/// An expression in x, y, z, and in t too if `time` is true.
 struct Formula : Text {
   bool time = false;
   std::string read(Reader& in, Name key, const Scene&) const { return in.expression(key, time); }
@@ -124,7 +124,7 @@ struct Formula : Text {
   }
 };
 
-/// Vector field: one expression for each component.
+/// A vector field: one expression for each component, in x, y, z, and in t too if `time` is true.
 struct Expressions {
   bool time = true;
   Components read(Reader& in, Name key, const Scene& scene) const {
@@ -137,35 +137,35 @@ struct Expressions {
   [[nodiscard]] Json schema() const;
 };
 
-/// Motion of a clamp: one expression for each clamped component of the clamp that is being read.
+/// The motion of a clamp: one expression for each clamped component of the scene's last clamp.
 struct ClampMotion : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
   static Json schema();
 };
 
-/// An admissible control: without t if controls are constant in time, and zero in the components that
-/// control.components leaves out.
+/// A control: one expression for each component, without t if controls are constant in time, and zero in
+/// components that control.components leaves out.
 struct ControlField : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
 };
 
-/// A vector of t alone, such as a point that moves; its constant components are written as numbers.
+/// A vector of expressions in t only, such as a moving point; constant components are written as numbers.
 struct Point : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
   static std::string write(const Components& components);
   static std::string words() { return "numbers or expressions in t"; }
 };
 
-/// A number of t alone; `limits` are those of a constant.
+/// A number or an expression in t only.
 struct Varying {
-  Limits limits{};
+  Limits limits{}; ///< limits of the number; expressions are not checked
   Expression read(Reader& in, Name key, const Scene& scene) const;
   static std::string write(const Expression& expression) { return written_as_number(expression); }
   [[nodiscard]] std::string words() const { return "number" + limits.range() + ", or expression in t"; }
   [[nodiscard]] Json schema() const;
 };
 
-/// Constant vector: one number for each component.
+/// A constant vector: one number for each component.
 struct Numbers {
   Limits limits{};
   std::vector<double> read(Reader& in, Name key, const Scene&) const { return in.numbers(key, limits); }
@@ -174,13 +174,13 @@ struct Numbers {
   static Json schema();
 };
 
-/// A vector of any length but zero.
+/// A constant vector whose length is not zero.
 struct Direction : Numbers {
-  const char* what;
+  const char* what; ///< end of the message for a zero vector
   std::vector<double> read(Reader& in, Name key, const Scene& scene) const;
 };
 
-/// Bound of a control: one number, or one for each component.
+/// A bound of a control: one number for all components, or one for each.
 struct Bound {
   static std::vector<double> read(Reader& in, Name key, const Scene&) {
     return in.number_or_numbers(key, {});

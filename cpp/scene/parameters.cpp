@@ -24,7 +24,7 @@ Vector unit_vector(const std::vector<double>& x) {
   return u;
 }
 
-/// Axis about which an angle turns; in the plane, z.
+/// Unit vector of the axis about which an unknown angle turns a plane; in 2D the z axis.
 Vector axis(const Unknown& unknown) {
   Vector a{};
   a[static_cast<std::size_t>(unknown.component.value_or(Component::z))] = 1;
@@ -35,7 +35,7 @@ Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Turns x about an axis, a unit vector, by an angle (Rodrigues).
+/// Rotates x about the unit vector `about` by an angle (rad), by Rodrigues' formula.
 Vector turned(const Vector& x, const Vector& about, double angle) {
   const Vector across = cross(about, x);
   const double along = about[0] * x[0] + about[1] * x[1] + about[2] * x[2];
@@ -55,20 +55,21 @@ std::optional<double> constant(const Expression& expression) {
   return value;
 }
 
-/// Initial field that an unknown belongs to.
+/// Initial displacement or velocity, whichever an unknown is a component or a factor of.
 std::optional<Components>& initial_field(Initial& initial, const Unknown& unknown) {
   return unknown.of == Parameter::velocity ? initial.velocity : initial.displacement;
 }
 
 std::size_t component(const Unknown& unknown) { return static_cast<std::size_t>(unknown.component.value()); }
 
-/// Centre and radius of a ball, or of a cylinder with a point of its axis as the centre.
+/// References to centre and radius of a ball or cylinder; the centre of a cylinder is a point of its axis.
 struct Round {
   Components& center;
   Expression& radius;
 };
 
-/// Returns centre and radius. Throws std::logic_error for other shapes, which the rules exclude.
+/// References to centre and radius of a ball or cylinder. Throws std::logic_error for other shapes, which
+/// reading a scene excludes.
 Round round_parts(Obstacle& shape) {
   return std::visit(
       Overloads{[](Ball& ball) -> Round { return {ball.center, ball.radius}; },
@@ -85,7 +86,7 @@ void multiply(Components& components, double factor) {
   }
 }
 
-/// Number of a material that an unknown stands for.
+/// Reference to the material parameter that is unknown.
 double& material_number(Scene& scene, const Unknown& unknown) {
   Material& material = scene.materials[material_of(scene, unknown)];
   switch (unknown.of) {

@@ -7,51 +7,56 @@
 #include <span>
 #include <string>
 
-/// The unknowns of a scene as numbers of it; docs/method.md section 9.
+/// Values of a scene's unknowns and their effect on the scene; docs/method.md section 9.
 namespace signorini::scene {
 
-/// Unit of an unknown in SI; empty for a plain number.
+/// SI unit of an unknown; empty for a number without unit.
 std::string unit(const Unknown& unknown);
 
-/// Limits of a parameter by its nature, such as a positive density.
+/// Physical limits of a parameter, such as those of a density, which is positive.
 Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
 
-/// Vector that an unknown is a component or a multiple of: an initial field, a centre.
+/// Components of the vector that an unknown is a component or a factor of: an initial field or a centre.
 Components components_of(const Scene& scene, const Unknown& unknown);
 
-/// Numbers of the material and obstacle that an unknown belongs to. Throw std::out_of_range if the scene has
-/// none, which reading it excludes.
+/// Index in scene.materials of the material whose parameter is unknown. Throws std::out_of_range if the scene
+/// has no such material, which reading a scene excludes.
 std::size_t material_of(const Scene& scene, const Unknown& unknown);
+/// Index in scene.contacts of the obstacle whose parameter is unknown. Throws std::out_of_range if the scene
+/// has no such obstacle, which reading a scene excludes.
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
 
-/// Value of an unknown in the scene itself; absent where that is an expression.
+/// Value of an unknown that the other tables of the scene give; absent if they give an expression of place or
+/// time. 1 for factors; 0 for displacements and rotations of a plane.
 std::optional<double> own_value(const Scene& scene, const Unknown& unknown);
 
-/// Start values of the unknowns.
+/// Start values of all unknowns, in the order of scene.unknowns.
 std::vector<double> start_values(const Scene& scene);
 
-/// Returns the scene with these values of its unknowns, in their order. Throws UserError if one is impossible
-/// (require_possible()).
+/// Returns the scene with `values` (one for each unknown, in order) put into the tables that they belong to.
+/// Throws UserError if a value is outside of its limits (require_possible()).
 Scene with_values(Scene scene, std::span<const double> values);
 
-/// Rates of change of an obstacle by one of its parameters, per unit of it.
+/// Derivatives of an obstacle's geometry by one of its parameters, per unit of the parameter.
 struct ObstacleRate {
   std::array<double, 3> point{};  ///< rate of the plane's point, the centre or the axis
   std::array<double, 3> normal{}; ///< rate of a half-space's unit normal
-  double radius = 0;
+  double radius = 0;              ///< rate of a ball's or cylinder's radius
 };
-/// Returns the rates by the unknown of this number at these values of all unknowns; `scene` is as read.
+/// Computes the derivatives of an obstacle's geometry by the unknown `number`, counted from 0, at `values` of
+/// all unknowns. `scene`: as read, without these values.
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number);
 
-/// Limits of an unknown: those of its parameter; positive on a logarithmic scale.
+/// Limits of an unknown: the physical limits of its parameter, and above 0 on a logarithmic scale.
 Limits limits(const Unknown& unknown);
 /// Throws UserError unless each value is within the limits of its unknown.
 void require_possible(const Scene& scene, std::span<const double> values);
 
-/// Whether an unknown factor of tractions scales this one: it scales all on its group.
+/// Whether an unknown factor of tractions multiplies `traction`. A factor with a group multiplies all
+/// tractions on the group, a factor without one all tractions of the scene.
 bool scales(const Unknown& unknown, const Traction& traction);
 
 } // namespace signorini::scene

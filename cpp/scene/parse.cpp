@@ -25,7 +25,7 @@ std::string read(const std::filesystem::path& file) {
 
 namespace {
 
-/// Applies one `key.path=value` of --set to a scene's table. The value is TOML, or else taken as a plain
+/// Applies an argument `key.path=value` of --set to a scene's table. A value that is not TOML is taken as a
 /// text. `file`: path of the scene, for messages. Throws UserError.
 void override_key(toml::table& root, const std::string& assignment, const std::filesystem::path& file) {
   const auto equals = assignment.find('=');
@@ -43,7 +43,7 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
       (void)toml::parse("# " + value);
     } catch (const toml::parse_error&) {
       throw UserError(fmt::format(
-          "--set {}: found neither a value of TOML nor a text; give a text on one line in UTF-8", path));
+          "--set {}: the value is neither TOML nor plain text; give text on one line in UTF-8", path));
     }
     parsed.insert("value", value);
   }
@@ -61,15 +61,15 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
       child = &table->insert(key, toml::table{}).first->second;
     if (toml::array* array = child->as_array(); array && !array->is_homogeneous<toml::table>())
       throw UserError(
-          fmt::format("--set {}: \"{}\" of {} is a list of values, set it as a whole, such as [1, 2]",
+          fmt::format("--set {}: \"{}\" of {} is a list of values; set the whole list, such as [1, 2]",
                       assignment, key, file.string()));
     if (toml::array* array = child->as_array()) {
       std::size_t index = array->size();
       if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
           (index = std::stoul(next.substr(0, 6))) >= array->size() || !array->get(index)->is_table() ||
           !std::getline(keys, next, '.'))
-        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} table{}, name one by its number "
-                                    "and one of its keys, such as {}.0.on=...",
+        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} table{}; name one by its number, "
+                                    "and its key, such as {}.0.on=...",
                                     assignment, key, file.string(), array->size(),
                                     array->size() == 1 ? "" : "s", key));
       child = array->get(index);
@@ -173,9 +173,10 @@ std::string no_coarse_start(const Scene& scene) {
   if (scene.mesh.file.extension() != ".geo")
     return "with a .msh, which is meshed already; use a .geo and mesh.size, or set it to \"guess\"";
   if (!scene.mesh.size || scene.mesh.automatic())
-    return "without mesh.size, of which coarse meshes have multiples; give one, or set it to \"guess\"";
+    return "without mesh.size, whose multiples are the sizes of the coarse meshes; give mesh.size, or set "
+           "optimizer.start to \"guess\"";
   if (std::holds_alternative<DesiredRun>(scene.objective->desired))
-    return "with objective.desired.run, whose motion is known on this mesh alone; set it to \"guess\"";
+    return "with objective.desired.run, whose motion is known on this mesh only; set it to \"guess\"";
   return {};
 }
 

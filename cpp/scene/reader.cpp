@@ -16,7 +16,7 @@
 namespace signorini::scene {
 namespace {
 
-/// A value in TOML for messages, on one line of at most 60 bytes.
+/// Text of a TOML value for messages, on one line of at most 60 bytes.
 std::string value_text(const toml::node& node) {
   constexpr std::size_t most = 60;
   std::string text;
@@ -83,7 +83,7 @@ const toml::node& Reader::node(const std::string& key) {
       if (const std::string name{other.str()};
           !known_.contains(name) && edit_distance(name, key) <= (key.size() > 4 ? 2 : 1))
         fail(name, fmt::format("unknown key; did you mean \"{}\"?", key));
-    fail(key, "missing, and required");
+    fail(key, "missing, but required");
   }
   return *found;
 }
@@ -122,7 +122,7 @@ std::filesystem::path Reader::followed(const std::filesystem::path& given, const
   auto path =
       std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
   if (error)
-    fail(key, fmt::format("found a path that cannot be followed ({}); give another", error.message()));
+    fail(key, fmt::format("found a path that cannot be resolved ({}); give another path", error.message()));
   return path;
 }
 
@@ -182,7 +182,7 @@ bool Reader::flag(const std::string& key) {
 
 namespace {
 
-/// Units of a key's values; none if they have no fixed unit.
+/// Units that a key's values may have in tables: the key's unit, or none if it is not a plain unit.
 std::vector<std::string> units(const std::string& key) {
   const auto line = std::ranges::find(keys(), without_numbers(key), &KeyLine::name);
   return line != keys().end() && unit(line->unit) ? std::vector{line->unit} : std::vector<std::string>();
@@ -192,7 +192,7 @@ std::vector<std::string> units(const std::string& key) {
 
 Expression Reader::series(const toml::table& table, const std::string& key, std::optional<double> end) const {
   if (!end)
-    fail(key, fmt::format("found {}; expected expressions of place alone", value_text(table)));
+    fail(key, fmt::format("found {}; expected expressions of position only, without t", value_text(table)));
   Reader in(table, full(key), source_);
   const std::string column = in.text("column");
   const std::filesystem::path given = in.text("file");
@@ -222,7 +222,7 @@ Components Reader::expressions(const std::string& key, std::optional<double> end
   const toml::array* array = found.as_array();
   const std::string one = found.is_string() || found.is_number() ? value_text(found) : "";
   const std::string allowed =
-      count > 0 ? fmt::format("an array of {} expression{}, one for each component held", count,
+      count > 0 ? fmt::format("an array of {} expression{}, one for each clamped component", count,
                               count == 1 ? "" : "s")
       : one.empty()
           ? "an array of one expression per space dimension, 2 in the plane and 3 in space"

@@ -7,15 +7,15 @@
 namespace signorini::scene {
 namespace {
 
-/// Effect that the model lacks, with the keys by which scenes request it.
+/// An effect outside the model, with the words and keys by which scenes request the effect.
 struct Refusal {
-  const char* effect;
-  const char* instead;                ///< the model's substitute
-  std::vector<std::string> words;     ///< words in a key's last name or value, split at _, - and space
-  std::vector<std::string> keys = {}; ///< whole keys
+  const char* effect;                 ///< name of the effect
+  const char* instead;                ///< what the model has instead, as text for users
+  std::vector<std::string> words;     ///< words that request the effect in a key's last name or value
+  std::vector<std::string> keys = {}; ///< whole keys that request the effect
 };
 
-/// Table of all refusals; an effect that is added to the model leaves it.
+/// Table of all effects outside the model.
 const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
       {"friction",
@@ -69,7 +69,7 @@ const std::vector<Refusal>& refusals() {
   return all;
 }
 
-/// Words of a name, in lower case.
+/// Splits a name into words, in lower case, at characters other than letters and digits.
 std::vector<std::string> words(std::string_view name) {
   std::vector<std::string> found(1);
   for (const char c : name)

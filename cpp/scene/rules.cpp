@@ -26,13 +26,14 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
 
 namespace {
 
-/// Returns the number of steps to `end`. Throws UserError unless it is whole.
+/// Returns end / step, the number of steps to `end` (s). Throws UserError unless the quotient is whole.
 int whole_steps(Reader& in, double end, double step, const std::string& key) {
   const double steps = std::round(end / step);
   if (!(steps >= 1 && steps <= Time::most_steps))
     in.fail("step",
             fmt::format(
-                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s; choose 1 to {} steps",
+                "found {:.10g} s, which gives {:.10g} steps until time.end = {:.10g} s; choose a length that "
+                "gives 1 to {} steps",
                 step, end / step, end, Time::most_steps));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * step - end) > 1e-9 * end)
@@ -41,7 +42,7 @@ int whole_steps(Reader& in, double end, double step, const std::string& key) {
                                              "whole multiple of {}, such as {:.10g} s",
                                              end, end / step, step, key, steps * step)
                                : fmt::format("found {:.10g} s, but time.end = {:.10g} s is {:.10g} times as "
-                                             "long; choose a whole part of it, such as {:.10g} s",
+                                             "long; choose a length that divides time.end, such as {:.10g} s",
                                              step, end, end / step, end / steps));
   return static_cast<int>(steps);
 }
@@ -52,7 +53,7 @@ void require_rules(Reader& in, Time& time, const Scene&) {
   if (!time.automatic()) {
     for (const char* key : {"tolerance", "quantity", "longest", "shortest"})
       if (in.has(key))
-        in.fail(key, "has no effect with steps of one length; use it with time.step = \"auto\"");
+        in.fail(key, "has no effect on steps of equal length; use it with time.step = \"auto\"");
   } else {
     const double longest = time.longest.value_or(time.end);
     if (longest > time.end)
@@ -65,7 +66,8 @@ void require_rules(Reader& in, Time& time, const Scene&) {
       in.fail(
           "longest",
           fmt::format(
-              "found {:.10g} s, which makes more than {} steps to time.end = {:.10g} s; choose a longer one",
+              "found {:.10g} s, which gives more than {} steps until time.end = {:.10g} s; choose a longer "
+              "step",
               longest, Time::most_steps, time.end));
     return;
   }
@@ -76,11 +78,12 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
   if (in.one_of_several())
     in.require("on");
   else if (material.on)
-    in.fail("on", "has no effect on [material], which is the whole body's; use it in tables [[material]]");
+    in.fail("on", "has no effect in [material], which applies to the whole body; use it in tables "
+                  "[[material]]");
   for (std::size_t i = 0; i + 1 < scene.materials.size(); ++i)
     if (scene.materials[i].on == material.on)
-      in.fail("on",
-              fmt::format("found \"{}\", which material[{}] is on; choose another group", *material.on, i));
+      in.fail("on", fmt::format("found \"{}\", which is the group of material[{}]; choose another group",
+                                *material.on, i));
 }
 
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
@@ -88,7 +91,7 @@ void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
     in.require("axis");
     if (obstacle.axis.size() != 3)
       in.fail("axis",
-              fmt::format("found {} components where point has 3; give as many", obstacle.axis.size()));
+              fmt::format("found {} components, but point has 3; give 3 components", obstacle.axis.size()));
   } else if (in.has("axis")) {
     in.fail("axis",
             "has no effect in the plane, where a cylinder is a disc; use it with a point of 3 components");
@@ -111,26 +114,26 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
 
 void require_rules(Reader& in, Control& control, const Scene& scene) {
   if (control.step && control.constant_in_time)
-    in.fail("step", "has no effect on a control that is constant in time; remove one of the two");
+    in.fail("step", "has no effect on a control that is constant in time; remove step or constant_in_time");
   if (control.step)
     control.intervals = whole_steps(in, scene.time.end, *control.step, "control.step");
   if (!control.lower || !control.upper)
     return;
   const std::vector<double>&lower = *control.lower, &upper = *control.upper;
   if (lower.size() > 1 && upper.size() > 1 && lower.size() != upper.size())
-    in.fail("upper", fmt::format("found {} components where lower has {}; give as many, or one number",
+    in.fail("upper", fmt::format("found {} components, but lower has {}; give as many, or one number",
                                  upper.size(), lower.size()));
   for (std::size_t i = 0; i < std::max(lower.size(), upper.size()); ++i) {
     const double least = lower.size() == 1 ? lower.front() : lower[i];
     const double most = upper.size() == 1 ? upper.front() : upper[i];
     if (!(least <= most))
-      in.fail("lower", fmt::format("found {}, above control.upper = {}; lower it", least, most));
+      in.fail("lower", fmt::format("found {}, above control.upper = {}; reduce it", least, most));
   }
 }
 
 void require_rules(Reader& in, const Objective& objective, const Scene&) {
   if (objective.tracking == 0 && objective.gamma == 0)
-    in.fail("tracking", "found 0 where gamma is 0 too; set at least one of them");
+    in.fail("tracking", "found 0, and gamma is 0 too; set at least one of them above 0");
 }
 
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene) {
@@ -152,11 +155,11 @@ std::string unique_name(Reader& in, const std::string& otherwise, const std::vec
                         const char* table) {
   const std::string name = in.has("name") ? in.text("name") : otherwise;
   if (name.find_first_of(",\"") != std::string::npos)
-    in.fail("name",
-            fmt::format("found '{}'; expected a text without commas and quotes, since it stands in tables",
-                        name));
+    in.fail("name", fmt::format("found '{}'; expected a text without commas "
+                                "and quotes, since it is written to tables",
+                                name));
   if (const auto other = std::ranges::find(others, name); other != others.end())
-    in.fail("name", fmt::format("found \"{}\", which {}[{}] has too; choose another", name, table,
+    in.fail("name", fmt::format("found \"{}\", which is the name of {}[{}] too; choose another", name, table,
                                 other - others.begin()));
   return name;
 }
@@ -207,8 +210,8 @@ void require_rules(Reader& in, const Exact&, const Scene& scene) {
 
 namespace {
 
-/// Default start of a search. A control from an earlier run is better than one from coarse meshes; gradient
-/// steps are those of the paper, from its first guess.
+/// Default start of a search: coarse where possible. Guess if the control comes from an earlier run, which is
+/// the better start; and for projected-gradient, since the paper starts that method from the first guess.
 SearchStart usual_start(const Scene& scene) {
   return no_coarse_start(scene).empty() && !scene.control->stored &&
                  scene.optimizer.method != OptimizerMethod::projected_gradient
@@ -220,7 +223,7 @@ SearchStart usual_start(const Scene& scene) {
 
 void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
-    in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
+    in.fail("objective", "needs a control; add a table [control], or remove the objective");
   require_fit_rules(in, scene);
   if (scene.time.automatic() && scene.control && scene.control->step) {
     // Else steps would pass intervals by, whose values no motion would depend on.
@@ -243,7 +246,7 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
   }
   if (in.has("check"))
     in.fail("check",
-            "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
+            "needs a control and an objective to differentiate; add [control] and [objective], or remove it");
   if (!scene.unknowns.empty())
     return;
   if (in.has("optimizer"))
@@ -255,7 +258,7 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
 
 namespace {
 
-/// Compares the vectors of a scene with the mesh.
+/// Checks that the vectors of a scene have as many components as the mesh has dimensions.
 class Dimension {
 public:
   Dimension(const Scene& scene, int dim) : scene_(scene), dim_(dim) {}
@@ -278,7 +281,7 @@ public:
         throw UserError(fmt::format("{}: found \"{}\"; choices: {}, since the mesh is {}-dimensional",
                                     where(key), name(component), list(allowed), dim_));
   }
-  /// Checks the axis about which an angle turns: in the plane there is only one.
+  /// Checks that an axis of rotation is given in 3D and absent in 2D, where it can only be z.
   void axis(const std::optional<Component>& given, const std::string& key) const {
     if (given.has_value() == (dim_ == 2))
       throw UserError(fmt::format("{}: found {}; expected {}, since the mesh is {}-dimensional", where(key),
@@ -297,7 +300,7 @@ public:
   }
 
 private:
-  /// Key preceded by its origin: --set, or the file.
+  /// Key, preceded by "--set" or by the name of the scene file, whichever gave the key.
   [[nodiscard]] std::string where(const std::string& key) const {
     const std::string plain = without_numbers(key);
     const auto gave = [&](const std::string& set) { return plain == set || plain.starts_with(set + "."); };

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-/// Rules for tables that involve several keys or tables. Each function throws UserError; `scene` is the part
-/// read so far.
+/// Rules that involve several keys or tables of a scene. Each function throws UserError if a rule is broken;
+/// `scene` is the part of the scene read so far.
 namespace signorini::scene {
 
 void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
-/// Checks the steps and sets their number.
+/// Checks the rules of [time] and sets the number of steps.
 void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
@@ -19,19 +19,20 @@ void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
-/// Sets name, start and scale that are not given.
+/// Checks the rules of [[unknown]] and sets name, start and scale if the table does not give them.
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene);
-/// Sets a name that is not given.
+/// Checks the rules of [[measurement]] and sets the name if the table does not give it.
 void require_rules(Reader& in, Measurement& measurement, const Scene& scene);
 void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
-/// Checks rules between tables and sets defaults: start and tolerance of a search, the longest step.
+/// Checks the rules between tables and sets defaults: start and tolerance of a search, the longest time step.
 void require_rules(Reader& in, Scene& read, const Scene& scene);
-/// Reads the name of one of several things, for columns and rows of tables; `otherwise` where its table gives
-/// none. `others`: names of those before it; `table`: key of their tables.
+/// Reads the key `name` of a table in an array of tables; `otherwise`: name if the key is absent. The name
+/// must differ from `others`, the names of the preceding tables, and have no commas or quotes. `table`: key
+/// of the array, for messages.
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
                         const char* table);
-/// Reads the name of the last of `all`.
+/// Reads the key `name` of the table of the last element of `all`; the elements before it have names already.
 template <class T>
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<T>& all,
                         const char* table) {
@@ -40,14 +41,14 @@ std::string unique_name(Reader& in, const std::string& otherwise, const std::vec
     others.push_back(all[i].name);
   return unique_name(in, otherwise, others, table);
 }
-/// Throws UserError unless the scene has an obstacle of that name, under the key `obstacle`.
+/// Throws UserError, naming the key `obstacle`, unless the scene has an obstacle of that name.
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
-/// Checks the rest of a scene against its unknowns; sets the method that seeks them.
+/// Checks the rules of scenes with unknowns or measurements, and sets the search method for the unknowns.
 void require_fit_rules(Reader& in, Scene& scene);
-/// Reads the name of the obstacle whose table is read, the last of the scene's so far; a default one where
-/// none is given.
+/// Reads the name of the scene's last obstacle from the obstacle's table; "obstacle 1", "obstacle 2", … if
+/// the table gives none.
 std::string obstacle_name(Reader& in, const Scene& scene);
-/// Accepts any other table.
+/// Accepts tables of all other types, which have no rules.
 template <class T>
 void require_rules(Reader&, const T&, const Scene&) {}
 

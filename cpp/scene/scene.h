@@ -13,15 +13,15 @@
 #include <variant>
 #include <vector>
 
-/// A validated scene file in SI units with all defaults filled in. An optional that is absent means that the
-/// effect is absent, unless stated otherwise.
+/// A validated scene file, in SI units and with all defaults filled in. An absent std::optional means that
+/// the effect is absent, unless stated otherwise.
 namespace signorini::scene {
 
-/// An expression of x, y, z (m) and t (s), or a time series in its place.
+/// An expression in x, y, z (m) and t (s), or a time series.
 struct Expression {
-  std::string text;                         ///< expression, or TOML table that names the time series
-  std::shared_ptr<const TimeSeries> series; ///< null: an expression
-  double factor = 1, shift = 0;             ///< value: factor · (text or series) + shift; not in files
+  std::string text;                         ///< the expression, or the TOML table that names the time series
+  std::shared_ptr<const TimeSeries> series; ///< the time series; null for an expression
+  double factor = 1, shift = 0; ///< value: factor · (expression or series) + shift; set by fits, not in files
 
   Expression(std::string expression) : text(std::move(expression)) {}
   Expression(const char* expression) : text(expression) {}
@@ -45,35 +45,37 @@ using Components = std::vector<Expression>;
 
 /// Table [mesh].
 struct Mesh {
-  std::filesystem::path file; ///< .geo or .msh, absolute
+  std::filesystem::path file; ///< path of a .geo or .msh file, absolute
   std::optional<double>
       size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
-  double scale = 1; ///< factor of these sizes
+  double scale = 1; ///< factor on the sizes that the .geo itself sets
   LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement
-  /// A .geo with the same body, whose sizes vary with the error; set by studies, not by a key.
+  /// Path of a .geo with the same body whose element sizes vary in space according to the estimated error;
+  /// set by the program for a graded rung, not by a key.
   std::filesystem::path graded{};
 
-  /// Whether sizes are chosen by the error (--accuracy).
+  /// Whether the element size is "auto", chosen by the estimated error (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }
   /// Whether the file is a mesh already, a .msh.
   [[nodiscard]] bool meshed() const { return file.extension() == ".msh"; }
 };
 
-/// Table [time]: N steps of length τ, docs/method.md section 2, or steps of varying length, section 11.
+/// Table [time]: steps of equal length (docs/method.md section 2) or of varying length (section 11).
 struct Time {
-  double end = 0;  ///< s
-  double step = 0; ///< s; 0: "auto", varying
-  int steps = 0;   ///< end / step; 0 if that varies
+  double end = 0;  ///< end of the motion, s
+  double step = 0; ///< length τ of the steps, s; 0: "auto", varying
+  int steps = 0;   ///< number of steps, end / step; 0 if their length varies
   TimeScheme scheme = TimeScheme::contact_implicit;
   double tolerance = 1e-3;                            ///< relative error allowed to steps of varying length
-  StepQuantity quantity = StepQuantity::displacement; ///< quantity of that error
-  std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
+  StepQuantity quantity = StepQuantity::displacement; ///< quantity whose error `tolerance` limits
+  std::optional<double> longest, shortest;            ///< bounds on the length of varying steps, s
 
   static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
-  static constexpr int usual_longest = 8;        ///< longest steps to the end if `longest` is not given
-  static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
+  static constexpr int usual_longest = 8;        ///< the default of `longest` is end / usual_longest
+  static constexpr int most_steps = 100'000'000; ///< largest number of steps: fits into 32-bit integers
 
+  /// Whether steps vary in length.
   [[nodiscard]] bool automatic() const { return step == 0; }
   [[nodiscard]] static bool automatic_steps(const Time& time) { return time.automatic(); }
 };
@@ -97,33 +99,33 @@ struct Material {
 struct Clamp {
   std::string on;                                   ///< physical group
   std::optional<std::vector<Component>> components; ///< clamped components; absent: all
-  std::optional<Components> value; ///< motion of each clamped component, m, of x, y, z, t; absent: rest
+  std::optional<Components> value; ///< displacement of each clamped component, m, in x, y, z, t; absent: 0
 };
 
-/// Obstacle on one side of a plane; may move.
+/// A half-space as an obstacle; may move.
 struct HalfSpace {
-  Components point;           ///< a point of its boundary, m, as a function of t
-  std::vector<double> normal; ///< normal out of the obstacle, of any length but zero
+  Components point;           ///< a point of the boundary plane, m, as expressions in t
+  std::vector<double> normal; ///< outward normal of the obstacle; its length is arbitrary, but not zero
 };
 
-/// Obstacle that is a ball, or all outside of one; may move.
+/// A ball, or the space outside of one, as an obstacle; may move.
 struct Ball {
-  Components center;         ///< m, of t
-  Expression radius = 0.0;   ///< m, of t
-  Side side = Side::outside; ///< side of the body
+  Components center;         ///< centre, m, as expressions in t
+  Expression radius = 0.0;   ///< radius, m, as an expression in t
+  Side side = Side::outside; ///< side of the surface on which the body is
 };
 
-/// Obstacle that is an infinite cylinder, or all outside of one; may move.
+/// An infinite cylinder, or the space outside of one, as an obstacle; may move.
 struct Cylinder {
-  Components point;          ///< a point of the axis, m, of t
-  std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
-  Expression radius = 0.0;   ///< m, of t
-  Side side = Side::outside; ///< side of the body
+  Components point;          ///< a point of the axis, m, as expressions in t
+  std::vector<double> axis;  ///< direction, not zero; empty in the plane, where the cylinder is a disc
+  Expression radius = 0.0;   ///< radius, m, as an expression in t
+  Side side = Side::outside; ///< side of the surface on which the body is
 };
 
-/// Obstacle given by a level set.
+/// An obstacle given by a level-set function.
 struct SignedDistance {
-  std::string distance; ///< level set of x, y, z, t, positive outside of the obstacle, in any unit
+  std::string distance; ///< expression in x, y, z, t, positive outside of the obstacle, in any unit
 };
 
 using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
@@ -136,58 +138,59 @@ struct Contact {
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
 
+  /// Whether the candidates of this obstacle have no mass along the contact normal.
   [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
 };
 
 /// One table [[load.traction]].
 struct Traction {
   std::string on;   ///< physical group of the surface
-  Components value; ///< N/m², of x, y, z, t
+  Components value; ///< traction, N/m², as expressions in x, y, z, t
 };
 
 /// Table [load].
 struct Load {
-  std::optional<Components> body;    ///< N/m³ in 3D and plane strain, of x, y, z, t
-  std::optional<Components> gravity; ///< m/s², of t; acts by the density
+  std::optional<Components> body;    ///< force density, N/m³ in 2D and 3D, in x, y, z, t
+  std::optional<Components> gravity; ///< acceleration, m/s², in t; its force is the density times this
   std::vector<Traction> tractions;
 };
 
-/// Table [initial]; absent fields are zero except where moving clamps prescribe them.
+/// Table [initial]. Absent fields are zero except where moving clamps prescribe them.
 struct Initial {
-  std::optional<Components> displacement; ///< m, of x, y, z
-  std::optional<Components> velocity;     ///< m/s, of x, y, z
+  std::optional<Components> displacement; ///< m, as expressions in x, y, z
+  std::optional<Components> velocity;     ///< m/s, as expressions in x, y, z
 };
 
-/// Control stored by an earlier run.
+/// A control that an earlier run stored.
 struct StoredControl {
   std::filesystem::path folder; ///< output folder of that run, absolute
 };
 
 /// Table [control].
 struct Control {
-  double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² where it acts on a surface
+  double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² for a control on a surface
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
   std::optional<std::vector<Component>> components; ///< acting components; absent: all
   bool constant_in_time = false;
   std::optional<double> step; ///< length of the intervals of constant control, s; absent: the time steps
-  int intervals = 0;          ///< time.end / step
+  int intervals = 0;          ///< number of these intervals, time.end / step
   ControlValues space = ControlValues::nodal;
-  std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: `stored`, else zero
+  std::optional<Components> initial;        ///< first guess, in x, y, z, t; absent: `stored`, else zero
   std::optional<StoredControl> stored;      ///< first guess, in place of `initial`
   std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
   std::optional<std::vector<double>> upper; ///< upper bound, one or one per component; absent: none
 };
 
-/// Desired state y_d given by a control.
+/// Desired motion y_d that is the motion under a reference control.
 struct DesiredControl {
-  Components control; ///< reference control, of x, y, z, t, whose state is y_d
+  Components control; ///< reference control, as expressions in x, y, z, t
 };
-/// Desired state y_d given by expressions.
+/// Desired motion y_d given by expressions.
 struct DesiredDisplacement {
-  Components displacement; ///< m, of x, y, z, t
+  Components displacement; ///< m, as expressions in x, y, z, t
 };
 
-/// Desired state y_d read from an earlier run.
+/// Desired motion y_d read from an earlier run.
 struct DesiredRun {
   std::filesystem::path folder; ///< output folder of that run, absolute
 };
@@ -195,27 +198,27 @@ struct DesiredRun {
 /// Table [objective]; docs/method.md section 3.
 struct Objective {
   std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
-  std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
+  std::optional<std::string> on; ///< physical group where y_d counts, in the body or a surface; absent: body
   double tracking = 1;           ///< θ, weight of the tracking term
   double alpha = 0;              ///< α, weight of the control cost
   double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
-/// Prior distribution of an unknown: normal. On a logarithmic scale it is that of the logarithm, and the
-/// deviation is relative.
+/// Normal prior distribution of an unknown. On a logarithmic scale the logarithm of the unknown is normally
+/// distributed, and the deviation is relative to the mean.
 struct Prior {
-  double mean = 0, deviation = 0;
+  double mean = 0, deviation = 0; ///< mean of the unknown, and standard deviation
 };
 
-/// One table [[unknown]]: a number of the scene that is sought; docs/method.md section 9.
+/// One table [[unknown]]: a number of the scene that a fit determines; docs/method.md section 9.
 struct Unknown {
   Parameter of = Parameter::young;
-  std::optional<std::string> on;       ///< group of a material or traction, where the scene has several
-  std::optional<std::string> obstacle; ///< name of an obstacle, where the scene has several
-  std::optional<Component> component;  ///< component of a field or centre; axis of an angle in space
+  std::optional<std::string> on;       ///< group of the material or traction; absent if there is only one
+  std::optional<std::string> obstacle; ///< name of the obstacle; may be absent if there is only one
+  std::optional<Component> component;  ///< component of a field or centre; axis of an angle in 3D
   std::string name;                    ///< name in tables, unique
-  double start = 0;
-  std::optional<double> lower, upper;
+  double start = 0;                    ///< value at which the fit starts
+  std::optional<double> lower, upper;  ///< bounds of the value
   ParameterScale scale = ParameterScale::linear;
   std::optional<Prior> prior;
 
@@ -227,16 +230,16 @@ struct Measurement {
   Quantity of = Quantity::displacement;
   std::string name;                          ///< name in tables, unique
   std::optional<std::vector<double>> point;  ///< point of the undeformed body, m
-  std::optional<std::string> on;             ///< physical group of a mean, in place of a point
-  std::optional<std::string> obstacle;       ///< obstacle of a force; absent: all together
-  std::optional<Component> component;        ///< set for every quantity that is fitted
-  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; set where it is fitted
-  std::string column = "value";
-  std::optional<double> value;     ///< value of a figure of the whole contact, s or N
-  std::optional<double> deviation; ///< standard deviation; absent: the file's column "deviation"
-  std::optional<double> noise;     ///< standard deviation relative to the largest value
+  std::optional<std::string> on;             ///< physical group over which the mean is measured, else a point
+  std::optional<std::string> obstacle;       ///< obstacle of a contact quantity; absent: sum of all obstacles
+  std::optional<Component> component;        ///< component; set for every fitted quantity
+  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; set if fitted
+  std::string column = "value";              ///< column of the values in `file`
+  std::optional<double> value;               ///< measured value of a quantity that is only compared, s or N
+  std::optional<double> deviation;           ///< standard deviation; absent: the file's column "deviation"
+  std::optional<double> noise; ///< standard deviation, relative to the largest modulus of the values
 
-  /// Whether the misfit counts in J; figures of the whole contact are only compared.
+  /// Whether the misfit counts in J; quantities of the whole contact, as its duration, are only compared.
   [[nodiscard]] bool fitted() const { return of < Quantity::contact_start; }
 };
 
@@ -247,53 +250,54 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  /// Tolerance of the gradient's norm, relative to the first guess's; for a fit, of its decrement. Set where
-  /// there is a search.
+  /// Stopping tolerance: for the norm of the gradient, relative to the norm at the first guess; for a fit,
+  /// for the Newton decrement. Set if there is a search.
   std::optional<double> tolerance;
-  int checkpoint = 10; ///< iterations between checkpoints; 0: none
-  double memory = 0;   ///< limit for the controls that a method stores, bytes; 0: the default
+  int checkpoint = 10; ///< iterations between checkpoints; 0: no checkpoints
+  double memory = 0;   ///< memory limit for the controls that a method stores, bytes; 0: the default limit
 };
 
 /// Table [solver]; docs/method.md section 5.
 struct Solver {
   ViMethod vi = ViMethod::condensed;
   LinearMethod linear = LinearMethod::automatic;
-  double memory = 0; ///< limit for the factor of D and the dense matrices of contact in all, bytes
+  double memory = 0; ///< memory limit for the factor of D and the dense contact matrices together, bytes
 };
 
 /// Table [trajectory]: storage of a motion's states for the adjoint sweep.
 struct Trajectory {
   Storage storage = Storage::memory;
-  double budget = 1e9; ///< memory of all checkpoints, bytes
+  double budget = 1e9; ///< memory limit of all checkpoints together, bytes
 };
 
 /// Table [check].
 struct Check {
-  std::optional<Components> control; ///< control at which `check` takes derivatives, of x, y, z, t
+  std::optional<Components> control; ///< control at which `check` takes derivatives, in x, y, z, t
 };
 
-/// Table [run]: the identities checked in every run; docs/method.md section 2.
+/// Table [run]: checks of discrete identities in every run; docs/method.md section 2.
 struct Run {
   OnViolation invariants = OnViolation::warn;
   double tolerance = 1e-10; ///< relative residual beyond which an identity is violated
 
+  /// Whether the identities are checked.
   [[nodiscard]] bool watched() const { return invariants != OnViolation::off; }
 };
 
-/// Table [exact]: known figures of the solution, for errors.
+/// Table [exact]: known values of the solution, from which errors are computed.
 struct Exact {
-  std::optional<Components> displacement; ///< m, of x, y, z, t
-  std::optional<std::string> pressure;    ///< N/m² on the contact surface at time.end, of x, y, z
+  std::optional<Components> displacement; ///< m, as expressions in x, y, z, t
+  std::optional<std::string> pressure;    ///< contact pressure at time.end, N/m², as expression in x, y, z
   std::optional<double> impulse;          ///< modulus of the total impulse of contact forces, N s (2D: N s/m)
-  std::optional<double> peak_force;       ///< largest modulus of the resultant of these, N (2D: N/m)
+  std::optional<double> peak_force;       ///< largest modulus of the resultant contact force, N (2D: N/m)
   std::optional<double> contact_start;    ///< time of first contact, s
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
-/// One table [[output.probe]]: a place or body to follow over time, given by exactly one of the members
-/// after the name.
+/// One table [[output.probe]]: a point, group or obstacle, or the whole body, whose quantities are written
+/// over time. Exactly one member besides the name is set.
 struct Probe {
-  std::string name;                         ///< name of its columns, unique
+  std::string name;                         ///< name of the probe's columns, unique
   std::optional<std::vector<double>> point; ///< point of the undeformed body, m
   std::optional<std::string> on;            ///< physical group of a part of the body or of a surface
   std::optional<std::string> obstacle;      ///< name of an obstacle
@@ -302,7 +306,7 @@ struct Probe {
 
 /// Table [output].
 struct Output {
-  int every = 0; ///< steps between stored fields; 0: with varying steps, most_frames at most
+  int every = 0; ///< steps between stored fields; 0: chosen, so that at most most_frames are stored
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< fields to store where a run has them
   std::vector<StoredTable> tables{StoredTable::steps,       StoredTable::contact, StoredTable::obstacles,
@@ -310,17 +314,20 @@ struct Output {
                                   StoredTable::measurements}; ///< tables to write where a run has them
   std::vector<Probe> probes;
 
-  static constexpr int most_frames = 300; ///< most stored times after the first if `every` is not given
-  /// Least of 1, 2, 5, 10, 20, … that stores no more than most_frames of so many steps.
+  static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 without `every`
+  /// Default of `every`: the least of 1, 2, 5, 10, 20, … with which at most most_frames of `steps` steps are
+  /// stored.
   [[nodiscard]] static int automatic(int steps);
 
+  /// Whether a field is to be stored.
   [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
+  /// Whether a table is to be written.
   [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }
 };
 
-/// Tables of a scene file.
+/// All tables of a scene file.
 struct Scene {
-  std::filesystem::path file; ///< absolute
+  std::filesystem::path file; ///< absolute path of the scene file
   std::string name;           ///< name of the file without its extension
   Mesh mesh;
   Time time;
@@ -340,18 +347,19 @@ struct Scene {
   std::optional<Exact> exact;
   Run run;
   Output output;
-  std::string digest_of_series;   ///< digest of the files of its time series; empty without any
-  std::vector<std::string> given; ///< keys of --set, without the numbers of tables
+  std::string digest_of_series;   ///< digest of the files of all time series; empty without any
+  std::vector<std::string> given; ///< keys given by --set, without the numbers of tables
 
+  /// Treatment of contact, from time.scheme and contact.mass.
   [[nodiscard]] ContactScheme contact_scheme() const;
 };
 
-/// Returns the text of a scene file. Throws UserError if it cannot be read.
+/// Returns the text of a scene file. Throws UserError if the file cannot be read.
 std::string read(const std::filesystem::path& file);
 
-/// Parses and validates the text of a scene file. `overrides`: the texts `key.path=value` of --set; `open`:
-/// reads the files of time series. Throws UserError naming file, line, key, what was found and what is
-/// expected.
+/// Parses and validates the text of a scene file. `file`: path of the file, for messages and relative paths;
+/// `overrides`: the texts `key.path=value` of --set; `open`: function that reads the files of time series.
+/// Throws UserError naming file, line, key, and the value found and expected.
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<std::string>& overrides = {}, const ReadFile& open = read_file);
 
@@ -360,36 +368,37 @@ std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
 /// Name of a clamp table in messages: `clamp`, or `clamp[i]` if there are several.
 std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
 
-/// Components of a vector of `dim` dimensions.
+/// The first `dim` of the components x, y, z.
 std::vector<Component> components(int dim);
 
-/// Whether every component is written as 0 or 0.0, which has no effect.
+/// Whether every component is written as 0 or 0.0, so that the field has no effect.
 bool vanishes(const Components& components);
 
-/// Whether an obstacle moves.
+/// Whether an obstacle moves or changes its shape, since an expression of its depends on t.
 bool moves(const Obstacle& obstacle);
 
-/// Whether the first guess of a control is zero, which is no load: absent or written as zero, and within the
-/// bounds.
+/// Whether the first guess of a control is zero: absent or written as zero, not read from an earlier run, and
+/// within the bounds.
 bool rests(const Control& control);
 
-/// Reason why a search of this scene cannot start on coarser meshes, and the remedy, as the end of a message;
-/// empty if it can.
+/// Reason why a search of this scene cannot start on coarser meshes, with the remedy, as the end of a
+/// message; empty if the search can.
 std::string no_coarse_start(const Scene& scene);
 
-/// Name of an unknown's or measurement's table in messages.
+/// Name of the i-th table [[unknown]] in messages.
 std::string unknown_key(std::size_t i);
+/// Name of the i-th table [[measurement]] in messages.
 std::string measurement_key(std::size_t i);
 
-/// Returns the scene with element size `size`, m (without mesh.size: a factor on the sizes of the .geo), and
-/// `steps` steps to time.end.
+/// Returns the scene with element size `size` and with `steps` steps to time.end. `size`: m; without
+/// mesh.size, a factor on the sizes that the .geo sets. Steps of varying length stay unchanged.
 Scene resized(Scene scene, double size, int steps);
 
-/// Throws UserError unless every vector of the scene has `dim` components and names no others.
+/// Throws UserError unless every vector of the scene has `dim` components and no key names another component.
 void require_dimension(const Scene& scene, int dim);
 
-/// Returns the scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse()
-/// reads it back to the same scene. Initial fields are left out if they follow moving clamps by default.
+/// Writes the resolved scene as TOML, with all defaults and units, for a mesh of `dim` dimensions. parse()
+/// reads the text back to the same scene. Initial fields that follow moving clamps by default are left out.
 std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

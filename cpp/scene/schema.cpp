@@ -18,12 +18,12 @@ Key<T> acting(const char* meaning) {
 
 template <class T>
 Key<T> radius() {
-  return required("radius", &T::radius, Varying{above_zero}, "m", "of a ball or a cylinder");
+  return required("radius", &T::radius, Varying{above_zero}, "m", "radius of a ball or a cylinder");
 }
 
 template <class T>
 Key<T> side() {
-  return value("side", &T::side, Choice<Side>{}, "", "where the body is, of a ball or a cylinder");
+  return value("side", &T::side, Choice<Side>{}, "", "side of a ball or a cylinder on which the body is");
 }
 
 } // namespace
@@ -32,45 +32,44 @@ Keys<Mesh> keys_of(Of<Mesh>) {
   return {
       required(
           "file", &Mesh::file, Path{}, "",
-          "a .geo, which is meshed, or a .msh, relative to the scene file; physical groups are used by name",
+          "a .geo, which the program meshes, or a .msh; the path is relative to the scene file. The scene "
+          "names physical groups of this file",
           {.part = Part::none}),
       value("size", &Mesh::size, NumberOrAuto{{above_zero}}, "m",
-            "element size for a .geo; `\"auto\"`: sizes that vary, small where the error comes from "
-            "(`--accuracy`)",
-            {.otherwise = "those that the .geo itself sets"}),
+            "element size for a .geo; `\"auto\"`: variable sizes, small where the error arises (only with "
+            "`--accuracy`)",
+            {.otherwise = "the sizes that the .geo sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
-            "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},
+            "in place of `mesh.size`: factor on the element sizes that the .geo sets", {.otherwise = "1.0"},
             [](const Mesh& mesh) { return !mesh.size && !mesh.meshed(); }),
       value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
-            "of the coordinates in the file, which are brought to metres; all else of a scene, `mesh.size` "
-            "too, is in "
-            "metres"),
+            "length unit of the coordinates in the file, which are converted to metres; all other lengths of "
+            "a scene, also `mesh.size`, are in metres"),
       value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement")};
 }
 
 Keys<Time> keys_of(Of<Time>) {
   return {
-      required("end", &Time::end, Number{above_zero}, "s", "of the motion, which starts at 0"),
+      required("end", &Time::end, Number{above_zero}, "s", "end time of the motion, which starts at 0"),
       required(
           "step", &Time::step, NumberOrAuto{{above_zero}}, "s",
-          "`time.end` is a whole multiple of it; `\"auto\"`: lengths that vary, chosen by an estimate of "
-          "their error",
+          "length of the time steps, which divides `time.end`; `\"auto\"`: variable lengths, chosen by an "
+          "error estimate",
           {.effect = "steps of varying length"}),
-      value(
-          "tolerance", &Time::tolerance,
-          Number{{.least = Time::least_tolerance, .greatest = Time::most_tolerance}}, "",
-          "of `step = \"auto\"`: error that the steps may leave, relative to the largest value of `quantity`",
-          {.effect = "steps of varying length"}, &Time::automatic_steps),
+      value("tolerance", &Time::tolerance,
+            Number{{.least = Time::least_tolerance, .greatest = Time::most_tolerance}}, "",
+            "with `step = \"auto\"`: largest error of the steps, relative to the largest value of `quantity`",
+            {.effect = "steps of varying length"}, &Time::automatic_steps),
       value("quantity", &Time::quantity, Choice<StepQuantity>{}, "",
-            "of `step = \"auto\"`: what the error is of; `\"contact-force\"` the impulses of contact, "
-            "`\"energy\"` the whole motion, in the norm of its energy",
+            "with `step = \"auto\"`: quantity whose error is estimated; `\"contact-force\"`: the impulses of "
+            "contact, `\"energy\"`: the whole motion in the energy norm",
             {.effect = "steps of varying length"}, &Time::automatic_steps),
       value("longest", &Time::longest, Number{above_zero}, "s",
-            "of `step = \"auto\"`: no step is longer; shortened to a part of `time.end`",
+            "with `step = \"auto\"`: longest step, shortened so that it divides `time.end`",
             {.otherwise = "a tenth of `time.end`", .effect = "steps of varying length"}),
       value("shortest", &Time::shortest, Number{above_zero}, "s",
-            "of `step = \"auto\"`: no step is shorter, whatever its error",
-            {.otherwise = "the longest halved 20 times", .effect = "steps of varying length"}),
+            "with `step = \"auto\"`: shortest step, whatever its error",
+            {.otherwise = "the longest step, halved 20 times", .effect = "steps of varying length"}),
       value("scheme", &Time::scheme, Choice<TimeScheme>{}, "",
             "`\"contact-stabilized\"`: the motion without forces is first moved out of the obstacle, which "
             "smooths the contact forces",
@@ -79,15 +78,15 @@ Keys<Time> keys_of(Of<Time>) {
 
 Keys<Viscosity> keys_of(Of<Viscosity>) {
   return {required("bulk", &Viscosity::bulk, Number{not_negative}, "Pa s",
-                   "without `viscosity` the body is elastic"),
+                   "bulk viscosity; without the table `viscosity` the material is elastic"),
           required("shear", &Viscosity::shear, Number{not_negative}, "Pa s")};
 }
 
 Keys<Material> keys_of(Of<Material>) {
   return {value("on", &Material::on, Text{}, "",
-                "for a body of several materials, each in a table `[[material]]` in place of `[material]`: a "
-                "group of surfaces (in space, volumes). Every cell must be in the group of one; `--set "
-                "material.0.young=…` names the first",
+                "for a body of several materials, each in a table `[[material]]` in place of `[material]`: "
+                "group of surfaces (in space, volumes) of this material. Every cell must be in the group of "
+                "exactly one material; `--set material.0.young=…` sets a key of the first table",
                 {.effect = "several materials"}),
           required("density", &Material::density, Number{above_zero}, "kg/m³"),
           required("young", &Material::young, Number{above_zero}, "Pa", "Young's modulus"),
@@ -96,34 +95,34 @@ Keys<Material> keys_of(Of<Material>) {
 }
 
 Keys<Clamp> keys_of(Of<Clamp>) {
-  return {
-      required("on", &Clamp::on, Text{}, "", "of the boundary that is held, in a table `[[clamp]]`"),
-      acting<Clamp>("those held"),
-      value("value", &Clamp::value, ClampMotion{}, "m",
-            "the motion of each component held; its velocity at all times is their derivative. An "
-            "`initial.velocity` that is written down is kept there, and must agree with it but for 1e-5 of "
-            "its size",
-            {.otherwise = "`[\"0\", \"0\"]`", .effect = "moving clamp"})};
+  return {required("on", &Clamp::on, Text{}, "",
+                   "group of the boundary that is clamped; each clamp is a table `[[clamp]]`"),
+          acting<Clamp>("components that are clamped"),
+          value("value", &Clamp::value, ClampMotion{}, "m",
+                "prescribed displacement of each clamped component; its velocity is the time derivative. An "
+                "`initial.velocity` that is given is used at t = 0 and must agree with that derivative to a "
+                "relative 1e-5",
+                {.otherwise = "`[\"0\", \"0\"]`", .effect = "moving clamp"})};
 }
 
 Keys<HalfSpace> keys_of(Of<HalfSpace>) {
   return {
       required("point", &HalfSpace::point, Point{}, "m",
-               "on the plane or the cylinder's axis; where an expression of an obstacle has t it moves (see "
-               "Candidates)",
+               "point on the plane or on the cylinder's axis; an obstacle whose expressions contain t moves "
+               "(see Candidates)",
                {.effect = "moving obstacle"}),
-      required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
-               "of a half-space, out of the obstacle, of any length")};
+      required("normal", &HalfSpace::normal, Direction{{}, "it must point out of the obstacle"}, "",
+               "normal of a half-space, pointing out of the obstacle, of any length")};
 }
 
 Keys<Ball> keys_of(Of<Ball>) {
-  return {required("center", &Ball::center, Point{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
+  return {required("center", &Ball::center, Point{}, "m", "centre of a ball"), radius<Ball>(), side<Ball>()};
 }
 
 Keys<Cylinder> keys_of(Of<Cylinder>) {
   return {required("point", &Cylinder::point, Point{}, "m"),
-          value("axis", &Cylinder::axis, Direction{{}, "it points along the cylinder"}, "",
-                "of a cylinder in space; in the plane it is a disc and has none",
+          value("axis", &Cylinder::axis, Direction{{}, "it must point along the cylinder"}, "",
+                "direction of a cylinder's axis in space; in the plane a cylinder is a disc and has no axis",
                 {.otherwise = "required in space"},
                 [](const Cylinder& cylinder) { return !cylinder.axis.empty(); }),
           radius<Cylinder>(), side<Cylinder>()};
@@ -132,7 +131,8 @@ Keys<Cylinder> keys_of(Of<Cylinder>) {
 Keys<SignedDistance> keys_of(Of<SignedDistance>) {
   return {required(
       "distance", &SignedDistance::distance, Formula{{}, true}, "",
-      "of a signed distance: positive outside of the obstacle, such as `\"y + 1 - 0.1*x^2\"`, in any unit")};
+      "expression for the shape `\"signed-distance\"`: positive outside of the obstacle, such as `\"y + 1 - "
+      "0.1*x^2\"`, in any unit")};
 }
 
 namespace {
@@ -144,17 +144,17 @@ std::vector<std::vector<Entry>> entries_of(const std::variant<Shapes...>*) {
 
 static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
 
-/// Makes the key with the table of an obstacle of any shape.
+/// Makes the key `obstacle`, a table whose keys depend on the shape.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
   const KeyInfo said{
       .required = true,
-      .meaning = "in turn with `point` and `normal`; with `center`, `radius`, `side`; with `point`, `axis`, "
-                 "`radius`, `side`; with `distance`"};
+      .meaning = "shape; keys of the four shapes, in this order: `point` and `normal`; `center`, `radius` "
+                 "and `side`; `point`, `axis`, `radius` and `side`; `distance`"};
   const Entry called{"name",
-                     {.meaning = "in tables and messages", .part = Part::none},
+                     {.meaning = "name in tables and messages", .part = Part::none},
                      Text{"text"}.words(),
-                     "by order, `\"obstacle 1\"`, `\"obstacle 2\"` …",
+                     "`\"obstacle 1\"`, `\"obstacle 2\"` … by position in the scene",
                      Text::schema(),
                      {}};
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
@@ -183,28 +183,28 @@ Key<Contact> obstacle() {
 } // namespace
 
 Keys<Contact> keys_of(Of<Contact>) {
-  return {required("on", &Contact::on, Text{}, "", "of the boundary whose nodes are the contact candidates",
-                   {.effect = "contact"}),
+  return {required("on", &Contact::on, Text{}, "",
+                   "group of the boundary whose nodes are the contact candidates", {.effect = "contact"}),
           obstacle(),
           value("mass", &Contact::mass, Choice<ContactMass>{}, "",
-                "`\"massless\"`: candidates that face the obstacle have no mass towards it, their neighbours "
-                "have it; not "
-                "with `\"contact-stabilized\"`",
+                "`\"massless\"`: candidates that face the obstacle have no mass in the normal direction; "
+                "their neighbours take this mass. Not with `\"contact-stabilized\"`",
                 {.effect = "massless contact"}),
           value("initial", &Contact::initial, Choice<ContactStart>{}, "",
-                "`\"project\"`: nodes that start inside the obstacle are moved the shortest way out")};
+                "`\"project\"`: nodes that start inside the obstacle are moved out by the shortest path")};
 }
 
 Keys<Traction> keys_of(Of<Traction>) {
   return {required("on", &Traction::on, Text{}, "",
-                   "of the boundary that is pushed, in a table `[[load.traction]]`"),
+                   "group of the boundary that is loaded; each traction is a table `[[load.traction]]`"),
           required("value", &Traction::value, Expressions{}, "N/m²")};
 }
 
 Keys<Load> keys_of(Of<Load>) {
   return {value("body", &Load::body, Expressions{}, "N/m³", "", {.otherwise = "none", .effect = "body load"}),
           value("gravity", &Load::gravity, Point{}, "m/s²",
-                "acts by the density of each material, such as `[0, -9.81]`",
+                "acceleration, such as `[0, -9.81]`; the force density is the density of each material times "
+                "this vector",
                 {.otherwise = "none", .effect = "gravity"}),
           sections("traction", &Load::tractions, {.effect = "traction"})};
 }
@@ -218,20 +218,22 @@ Keys<Initial> keys_of(Of<Initial>) {
 
 Keys<StoredControl> keys_of(Of<StoredControl>) {
   return {required("run", &StoredControl::folder, Path{}, "",
-                   "in place of expressions: the folder of an earlier `optimize`, relative to the scene "
-                   "file. Body, place, `control.scale` and `control.on` must be the same, its components "
-                   "among this scene's; other meshes and steps are interpolated",
+                   "in place of expressions: folder of an earlier run of `optimize`, relative to the scene "
+                   "file. Body, its position, `control.scale` and `control.on` must be the same. The "
+                   "components of that control must be among this scene's; other meshes and steps are "
+                   "interpolated",
                    {.part = Part::none})};
 }
 
 namespace {
 
-/// Makes the two keys `initial` of the first guess: expressions, or the table that names a run.
+/// Makes the two keys named `initial` for a control's first guess: one with expressions, one with a table
+/// that names a run.
 std::array<Key<Control>, 2> first_guess() {
   Key<Control> given =
       value("initial", &Control::initial, ControlField{}, "",
-            "the first guess, and what `simulate` applies, moved into the bounds; without t if "
-            "constant in time",
+            "first guess of `optimize` and control of `simulate`, moved into the bounds; without t if the "
+            "control is constant in time",
             {.otherwise = "`[\"0\", \"0\"]`"});
   Key<Control> stored = inline_table("initial", &Control::stored, {});
   given.read = [read = given.read](Reader& in, Control& to, const Scene& scene) {
@@ -255,44 +257,48 @@ Keys<Control> keys_of(Of<Control>) {
                Number{{.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"}},
                "N/m³ per unit of control, N/m² on a surface"),
       value("on", &Control::on, Text{}, "",
-            "of the body, or of the boundary, where the control is a traction", {.otherwise = "the body"}),
-      acting<Control>("those that act"),
-      value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
+            "group of the body where the control acts, or of the boundary, where it is a traction",
+            {.otherwise = "the body"}),
+      acting<Control>("components of the control"),
+      value("constant_in_time", &Control::constant_in_time, Flag{}, "",
+            "`true`: the control is the same at all times"),
       value("step", &Control::step, Number{above_zero}, "s",
-            "length of the intervals on which the control is constant, a whole part of `time.end`; a time "
-            "step takes the mean over its duration",
+            "length of the intervals on which the control is constant, which divides `time.end`; each time "
+            "step uses the mean of the control over the step",
             {.otherwise = "the time steps"}),
       value("space", &Control::space, Choice<ControlValues>{}, "",
-            "values at the displacement's own nodes, of degree 2 midpoints of edges too, or in the cells"),
+            "`\"nodal\"`: values at the nodes of the displacement, with degree 2 also at midpoints of edges; "
+            "`\"cellwise\"`: one value per cell"),
       given,
       stored,
-      value("lower", &Control::lower, Bound{}, "", "bound",
+      value("lower", &Control::lower, Bound{}, "", "lower bound of the control",
             {.otherwise = "none", .effect = "control bounds"}),
-      value("upper", &Control::upper, Bound{}, "", "bound",
+      value("upper", &Control::upper, Bound{}, "", "upper bound of the control",
             {.otherwise = "none", .effect = "control bounds"})};
 }
 
 Keys<DesiredControl> keys_of(Of<DesiredControl>) {
   return {required("control", &DesiredControl::control, ControlField{}, "",
-                   "the desired motion is that under this control")};
+                   "reference control; the motion under this control is the desired motion")};
 }
 
 Keys<DesiredDisplacement> keys_of(Of<DesiredDisplacement>) {
   return {required("displacement", &DesiredDisplacement::displacement, Expressions{}, "m",
-                   "in place of `control`: the desired motion")};
+                   "in place of `control`: desired displacement")};
 }
 
 Keys<DesiredRun> keys_of(Of<DesiredRun>) {
   return {
       required("run", &DesiredRun::folder, Path{}, "",
-               "in place of `control`: the folder of an earlier run with a stored displacement, relative to "
-               "the scene file. Degree 1, the same mesh, any number of ranks; interpolated linearly in time",
+               "in place of `control`: folder of an earlier run that stored the displacement, relative to "
+               "the scene file. It needs degree 1 and the same mesh; the number of ranks may differ. The "
+               "displacement is interpolated linearly in time",
                {.part = Part::none})};
 }
 
 namespace {
 
-/// Makes the key with the table of the desired motion, whose only key is its kind.
+/// Makes the key `desired`, a table with one key, which determines the kind of the desired motion.
 Key<Objective> desired() {
   Key<Objective> key{{"desired",
                       {.required = true},
@@ -327,47 +333,51 @@ Key<Objective> desired() {
 
 Keys<Objective> keys_of(Of<Objective>) {
   return {desired(),
-          value("on", &Objective::on, Text{}, "", "of the body or the boundary where the motion counts",
+          value("on", &Objective::on, Text{}, "",
+                "group of the body or the boundary on which the motion is compared with the desired one",
                 {.otherwise = "the body"}),
-          value("tracking", &Objective::tracking, Number{weight}, "", "weight of the motion",
-                {.effect = "tracking term"}),
+          value("tracking", &Objective::tracking, Number{weight}, "",
+                "weight of the distance to the desired motion over time", {.effect = "tracking term"}),
           value("alpha", &Objective::alpha, Number{weight}, "", "weight of the control's cost",
                 {.effect = "control cost"}),
           value("gamma", &Objective::gamma, Number{{.least = 0, .unit = "weight, s"}}, "s",
-                "weight of the end state", {.effect = "terminal term"})};
+                "weight of the distance to the desired state at `time.end`", {.effect = "terminal term"})};
 }
 
 Keys<Prior> keys_of(Of<Prior>) {
   return {required("mean", &Prior::mean, Number{}, "",
-                   "what is known of it before, a normal distribution; in the unknown's unit"),
+                   "mean of the unknown's normal prior distribution, in the unknown's unit"),
           required("deviation", &Prior::deviation, Number{above_zero}, "",
-                   "standard; of an unknown on a logarithmic scale relative, such as 0.1")};
+                   "standard deviation of the prior; relative for an unknown on a logarithmic scale, such as "
+                   "0.1")};
 }
 
 Keys<Unknown> keys_of(Of<Unknown>) {
   return {
       required("of", &Unknown::of, Choice<Parameter>{}, "",
-               "what is sought, in a table `[[unknown]]`. Of a material: a modulus or the density. Of the "
-               "initial fields: a component's value in the whole body or, without `component`, a factor. Of "
-               "an obstacle: a plane's shift along its normal (m) and angle (rad), a ball's or cylinder's "
-               "`center` and `radius`. Of a load: a factor"),
-      value("name", &Unknown::name, Text{"text"}, "", "in tables",
+               "parameter to fit; each unknown is a table `[[unknown]]`. Of a material: a modulus, a "
+               "viscosity or the density. Of an initial field: the value of one component in the whole body, "
+               "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
+               "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of a load: a factor "
+               "on the load"),
+      value("name", &Unknown::name, Text{"text"}, "", "name in tables",
             {.otherwise = "by `of`, such as `\"young\"`"}),
-      value("on", &Unknown::on, Text{}, "", "whose material or traction, where there are several",
+      value("on", &Unknown::on, Text{}, "", "group of the material or traction, if there are several",
             {.otherwise = "the only one"}),
-      value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "", "whose, where there are several",
-            {.otherwise = "the only one"}),
+      value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "",
+            "obstacle of the parameter, if there are several obstacles", {.otherwise = "the only one"}),
       value("component", &Unknown::component, Choice<Component>{}, "",
-            "of an initial field or a centre; in space, the axis about which a plane's `angle` turns",
+            "component of an initial field or a centre; in space also the axis about which a plane's `angle` "
+            "turns",
             {.otherwise = "none"}),
       value("start", &Unknown::start, Number{}, "", "first guess", {.otherwise = "the scene's own value"}),
-      value("lower", &Unknown::lower, Number{}, "", "bound",
-            {.otherwise = "its nature's; with `\"log\"` 1.5e-8 `start`"}),
-      value("upper", &Unknown::upper, Number{}, "", "bound",
-            {.otherwise = "its nature's; with `\"log\"` 6.7e7 `start`"}),
+      value("lower", &Unknown::lower, Number{}, "", "lower bound of the unknown",
+            {.otherwise = "natural limit of the parameter; with `\"log\"` 1.5e-8 times `start`"}),
+      value("upper", &Unknown::upper, Number{}, "", "upper bound of the unknown",
+            {.otherwise = "natural limit of the parameter; with `\"log\"` 6.7e7 times `start`"}),
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
-            "on which it is sought and its deviation given, relative for `\"log\"`",
-            {.otherwise = "`\"log\"` for moduli, viscosities, densities"}),
+            "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
+            {.otherwise = "`\"log\"` for moduli, viscosities and densities; else `\"linear\"`"}),
       inline_table("prior", &Unknown::prior, {})};
 }
 
@@ -375,29 +385,33 @@ Keys<Measurement> keys_of(Of<Measurement>) {
   return {
       required(
           "of", &Measurement::of, Choice<Quantity>{}, "",
-          "in a table `[[measurement]]`: motion of a point or group; an obstacle's resultant force or "
-          "impulse so far. With the contact-implicit scheme the force is the mean of two steps. Contact "
-          "times, the time from 1 to 99 % of the impulse and the sustained peak are compared, not fitted"),
-      value("name", &Measurement::name, Text{"text"}, "", "in tables",
-            {.otherwise = "by order, `\"measurement 1\"` …"}),
-      value("point", &Measurement::point, Numbers{}, "m", "of the undeformed body", {.otherwise = "none"}),
-      value("on", &Measurement::on, Text{}, "", "in place of `point`: the mean over it",
+          "measured quantity; each measurement is a table `[[measurement]]`: motion of a point or group, "
+          "resultant force of an obstacle, or its impulse so far. With the contact-implicit scheme the force "
+          "is the mean of two steps. Contact times, the time from 1 to 99 % of the impulse and the sustained "
+          "peak are compared, but not fitted"),
+      value("name", &Measurement::name, Text{"text"}, "", "name in tables",
+            {.otherwise = "`\"measurement 1\"` … by position in the scene"}),
+      value("point", &Measurement::point, Numbers{}, "m", "point of the undeformed body",
             {.otherwise = "none"}),
-      value("obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "", "of a force or an impulse",
-            {.otherwise = "all together"}),
-      value("component", &Measurement::component, Choice<Component>{}, "", "of the quantity",
+      value("on", &Measurement::on, Text{}, "",
+            "in place of `point`: group over which the motion is averaged", {.otherwise = "none"}),
+      value("obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "",
+            "obstacle whose force or impulse is measured", {.otherwise = "all obstacles together"}),
+      value("component", &Measurement::component, Choice<Component>{}, "", "component of the quantity",
             {.otherwise = "required where fitted"}),
       value("file", &Measurement::file, Path{}, "",
-            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it. "
+            "CSV file with times and values, relative to the scene file; `simulate --measure` can write it. "
             "Names of columns may end with units, as `time [ms]`",
             {.otherwise = "required where fitted", .part = Part::none}),
-      value("column", &Measurement::column, Text{"text"}, "", "of the values in the file"),
-      value("value", &Measurement::value, Number{above_zero}, "s or N", "of what is compared",
-            {.otherwise = "none"}),
+      value("column", &Measurement::column, Text{"text"}, "", "column of the values in the file"),
+      value("value", &Measurement::value, Number{above_zero}, "s or N",
+            "measured value of a quantity that is compared, but not fitted", {.otherwise = "none"}),
       value("deviation", &Measurement::deviation, Number{above_zero}, "",
-            "standard, of each value, in its unit", {.otherwise = "the file's column `deviation`"}),
+            "standard deviation of each value, in the unit of the values",
+            {.otherwise = "the file's column `deviation`"}),
       value("noise", &Measurement::noise, Number{above_zero}, "",
-            "in place of `deviation` and of the file's column: relative to the largest value",
+            "in place of `deviation` and of the file's column: standard deviation relative to the largest "
+            "value",
             {.otherwise = "none"})};
 }
 
@@ -406,35 +420,37 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
     return optimizer.method != OptimizerMethod::gauss_newton;
   };
   return {
-      value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
-            {.part = Part::search}),
+      value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "",
+            "optimization method; see The optimizers", {.part = Part::search}),
       value("start", &Optimizer::start, Choice<SearchStart>{}, "",
-            "`\"coarse\"`: the search begins on meshes of 4 and 2 times `mesh.size`, with steps as many "
-            "times as long; `\"guess\"`: at `control.initial` (see From coarse to fine)",
+            "`\"coarse\"`: the search begins on meshes of 4 and 2 times `mesh.size`, with time steps 4 and 2 "
+            "times as long. `\"guess\"`: the search begins at `control.initial` on the scene's mesh (see "
+            "From coarse to fine)",
             {.otherwise = "`\"coarse\"` for a .geo with `mesh.size`; `\"guess\"` with a .msh, "
                           "`control.initial.run`, `objective.desired.run` or `\"projected-gradient\"`"}),
       value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
-            "0: the first guess alone"),
+            "largest number of iterations; 0 evaluates only the first guess"),
       value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}}, "",
-            "of the gradient norm, relative to the first guess's; of the decrement with `\"gauss-newton\"`",
+            "the search stops at this norm of the gradient, relative to the norm at the first guess; "
+            "`\"gauss-newton\"` stops at this decrement",
             {.otherwise = fmt::format("`{:g}`; `{:g}` with `\"gauss-newton\"`", Optimizer::usual_tolerance,
                                       Optimizer::usual_of_fits)}),
-      value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
-            "iterations from one to the next; 0: none", "see Long runs", {}, with_controls),
+      value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000}, "iterations; 0: none",
+            "number of iterations between checkpoints; see Long runs", {}, with_controls),
       value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
-            "of the controls and gradients that a search stores, in single precision, on all ranks (see Long "
-            "runs)",
-            {.otherwise = "`0`: `1e8`, at least the room of 128 controls"}, with_controls)};
+            "memory for the controls and gradients that a search stores in single precision, on all ranks "
+            "together (see Long runs)",
+            {.otherwise = "`0`: `1e8`, or the size of 128 controls if larger"}, with_controls)};
 }
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {
   return {value("storage", &Trajectory::storage, Choice<Storage>{}, "",
-                "where the states of a motion are stored for the adjoint sweep. `\"disk\"`: in a file "
-                "without a name in `$TMPDIR`, else `/var/tmp`. `\"checkpoints\"`: a few in memory, from "
-                "which the others are recomputed. The gradients are the same (see Long runs)"),
+                "storage of the states of a motion for the adjoint sweep. `\"disk\"`: in an unnamed file in "
+                "`$TMPDIR`, else in `/var/tmp`. `\"checkpoints\"`: a few states in memory, from which the "
+                "others are recomputed. Gradients do not depend on this choice (see Long runs)"),
           value("budget", &Trajectory::budget, Number{above_zero}, "bytes",
-                "of all checkpoints, on all ranks; a computed desired motion (`objective.desired.control`) "
-                "has half of them",
+                "memory of all checkpoints, on all ranks together; a computed desired motion "
+                "(`objective.desired.control`) uses half of it",
                 {.otherwise = "`1e9` with checkpoints"},
                 [](const Trajectory& trajectory) { return trajectory.storage == Storage::checkpoints; })};
 }
@@ -447,70 +463,73 @@ Keys<Check> keys_of(Of<Check>) {
 }
 
 Keys<Exact> keys_of(Of<Exact>) {
-  const char* about = "what is known of the solution, for `study`";
-  return {value("displacement", &Exact::displacement, Expressions{}, "m", about),
-          value("pressure", &Exact::pressure, Formula{{}, false}, "N/m²",
-                "on the contact surface at `time.end`", {.part = Part::measurement}),
-          value("impulse", &Exact::impulse, Number{above_zero}, "N s",
-                "of the contact forces in all (in the plane N s/m), modulus"),
-          value("peak_force", &Exact::peak_force, Number{above_zero}, "N",
-                "largest modulus of their resultant (in the plane N/m)"),
-          value("contact_start", &Exact::contact_start, Number{above_zero}, "s", "of the first contact"),
-          value("contact_time", &Exact::contact_time, Number{above_zero}, "s", "in all")};
+  const char* about = "exact displacement, from which `study` computes errors";
+  return {
+      value("displacement", &Exact::displacement, Expressions{}, "m", about),
+      value("pressure", &Exact::pressure, Formula{{}, false}, "N/m²",
+            "exact pressure on the contact surface at `time.end`", {.part = Part::measurement}),
+      value("impulse", &Exact::impulse, Number{above_zero}, "N s",
+            "exact modulus of the impulse of all contact forces (in the plane N s/m)"),
+      value("peak_force", &Exact::peak_force, Number{above_zero}, "N",
+            "exact largest modulus of the resultant contact force (in the plane N/m)"),
+      value("contact_start", &Exact::contact_start, Number{above_zero}, "s",
+            "exact start of the first contact"),
+      value("contact_time", &Exact::contact_time, Number{above_zero}, "s", "exact total time in contact")};
 }
 
 Keys<Solver> keys_of(Of<Solver>) {
   return {
       value("vi", &Solver::vi, Choice<ViMethod>{}, "",
-            "inequalities in the m candidates; or `\"full\"`: by PETSc's VI solver on all unknowns, the "
-            "reference"),
-      value(
-          "linear", &Solver::linear, Choice<LinearMethod>{}, "",
-          "conjugate gradients are `\"iterative\"`; `\"auto\"`: direct if the factor of D fits `memory` and "
-          "conjugate gradients are not estimated to take clearly less time"),
+            "`\"condensed\"`: each step solves an inequality in the candidates only; `\"full\"`: PETSc's VI "
+            "solver solves it in all unknowns, as a reference"),
+      value("linear", &Solver::linear, Choice<LinearMethod>{}, "",
+            "solver for the step operator D. `\"direct\"`: factorisation; `\"iterative\"`: conjugate "
+            "gradients. `\"auto\"`: direct if the factor fits `memory`, unless conjugate gradients are "
+            "estimated to be clearly faster"),
       value("memory", &Solver::memory, Number{not_negative}, "bytes",
-            "for the factor of D and the matrices of contact",
-            {.otherwise = "half of the machine's", .part = Part::measurement})};
+            "largest memory for the factor of D and the matrices of contact",
+            {.otherwise = "half of the machine's memory", .part = Part::measurement})};
 }
 
 Keys<Run> keys_of(Of<Run>) {
   return {value("invariants", &Run::invariants, Choice<OnViolation>{}, "",
-                "where the energy or momentum law or the contact condition is off: say so at the end, or "
-                "stop there, or do not look"),
+                "if the energy law, the momentum law or the contact condition is violated: `\"warn\"` at the "
+                "end, `\"stop\"` at that step; `\"off\"`: no check"),
           value("tolerance", &Run::tolerance, Number{{.least = 0, .greatest = 1, .open = true}}, "",
-                "of these and of those that `check` evaluates, relative")};
+                "relative tolerance of these laws and of the invariants that `check` evaluates")};
 }
 
 Keys<Probe> keys_of(Of<Probe>) {
-  return {value("name", &Probe::name, Text{"text"}, "", "of its columns in `probes.csv`",
-                {.otherwise = "by order, `\"probe 1\"`, `\"probe 2\"` …"}),
+  return {value("name", &Probe::name, Text{"text"}, "", "name of the probe's columns in `probes.csv`",
+                {.otherwise = "`\"probe 1\"`, `\"probe 2\"` … by position in the scene"}),
           value("point", &Probe::point, Numbers{}, "m",
-                "of the undeformed body, in a table `[[output.probe]]`: displacement and velocity there"),
+                "point of the undeformed body where displacement and velocity are recorded; each probe is a "
+                "table `[[output.probe]]`"),
           value("on", &Probe::on, Text{}, "",
-                "in place of `point`, of the body or of the boundary: mean displacement and velocity; where "
-                "clamps hold nodes of the boundary, their reaction"),
+                "in place of `point`: group of the body or of the boundary whose mean displacement and "
+                "velocity are recorded. On a boundary, the reaction of clamped nodes is recorded too"),
           value("obstacle", &Probe::obstacle, Text{"name of an obstacle"}, "",
-                "in place of `point`: the force by which it pushes the body, and its impulse so far"),
+                "in place of `point`: obstacle whose force on the body and impulse so far are recorded"),
           value("body", &Probe::body, Flag{}, "",
-                "in place of `point`, `true`: centre of mass, momentum, mean rotation (rad) of the body")};
+                "in place of `point`, `true`: centre of mass, momentum and mean rotation (rad) of the body "
+                "are recorded")};
 }
 
 Keys<Output> keys_of(Of<Output>) {
   return {
-      value(
-          "every", &Output::every, Whole{1, Time::most_steps}, "steps",
-          "between stored fields and contact; the last step and that of the largest contact force are stored "
-          "too. Other tables have a row for each step",
-          {.otherwise = fmt::format("the least of 1, 2, 5, 10, … that stores {0} at most; with "
-                                    "`time.step = \"auto\"` the first step after each {0}th of the time",
-                                    Output::most_frames)},
-          [](const Output& output) { return output.every > 0; }),
+      value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
+            "number of steps between stored fields and rows of `contact.csv`; the last step and the step of "
+            "the largest contact force are always stored. Other tables have a row for each step",
+            {.otherwise = fmt::format("the least of 1, 2, 5, 10, … that stores at most {0} steps; with "
+                                      "`time.step = \"auto\"` the first step after each {0}th of `time.end`",
+                                      Output::most_frames)},
+            [](const Output& output) { return output.every > 0; }),
       value("fields", &Output::fields, Set<StoredField>{}, "",
-            "those stored, where the verb has them, `\"strain\"` to `\"pressure\"` only if named (see "
-            "Stress and "
-            "pressure); `[]` for none, which then cost nothing",
+            "fields to store, if the verb computes them; `\"strain\"` to `\"pressure\"` are stored only if "
+            "named (see Stress and pressure). `[]` stores none and saves their cost",
             {.effect = "stored fields"}),
-      value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"}),
+      value("tables", &Output::tables, Set<StoredTable>{}, "",
+            "tables to write, if the verb computes them; `[]` writes none", {.effect = "tables"}),
       sections("probe", &Output::probes, {.effect = "probes"})};
 }
 

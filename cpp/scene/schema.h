@@ -6,41 +6,42 @@
 #include <functional>
 #include <type_traits>
 
-/// Table of all keys (schema.cpp), by which scenes are read, written and explained.
+/// Table of all keys of scenes (schema.cpp), from which scenes are read and written and the reference is
+/// made.
 namespace signorini::scene::schema {
 
 using kind::Json;
 
-/// Properties of a key besides its place and the kind of its value.
+/// Properties of a key besides its name, its table and the kind of its value.
 struct KeyInfo {
   bool required = false;
-  std::string unit{};        ///< unit, behind the value in scene.toml
+  std::string unit{};        ///< unit, written after the value in scene.toml
   std::string meaning{};     ///< explanation, in Markdown
-  std::string otherwise{};   ///< default where that is no value, in words
-  const char* effect = "";   ///< effect of the key; if empty, that of its table
-  Part part = Part::problem; ///< part that the key affects; if the problem, that of its table
+  std::string otherwise{};   ///< default in words, if the default is not a value of the key
+  const char* effect = "";   ///< effect of the key; empty: the effect of the key's table
+  Part part = Part::problem; ///< part that the key affects; problem: the part of the key's table
 };
 
-/// Key of any table.
+/// A key of any table, as far as it does not depend on the table's type.
 struct Entry {
   std::string name;
-  KeyInfo said;
-  std::string words, fallback; ///< admissible values, default
-  Json json;
-  std::vector<Entry> children; ///< keys of a table
+  KeyInfo said;                ///< properties of the key
+  std::string words, fallback; ///< description of the admissible values; default
+  Json json;                   ///< JSON schema of the value
+  std::vector<Entry> children; ///< keys of the table, if the value is a table
 };
 
-/// A value in TOML with its unit; an empty text: it is not written.
+/// A value as TOML, and its unit; a value with an empty text is not written.
 struct Written {
   std::string text{}, unit{};
 };
 
-/// Key of the table T. read: reads it; line: writes it on a line; section: writes it under a heading, given
-/// text and path.
+/// A key of the table type T. Either `line` or `section` is set.
 template <class T>
 struct Key : Entry {
-  std::function<void(Reader&, T&, const Scene&)> read{};
-  std::function<Written(const T&)> line{};
+  std::function<void(Reader&, T&, const Scene&)> read{}; ///< reads the value into a T
+  std::function<Written(const T&)> line{};               ///< writes the value for one line
+  /// Appends the value to a text, as a table under a heading with the given path.
   std::function<void(std::string&, const std::string&, const T&)> section{};
 };
 template <class T>
@@ -48,7 +49,7 @@ using Keys = std::vector<Key<T>>;
 template <class T>
 using Predicate = std::type_identity_t<bool (*)(const T&)>;
 
-/// Tag of a table; an overload of keys_of() for each returns its keys.
+/// Tag of the table type T. An overload of keys_of() for each tag returns the keys of the table.
 template <class T>
 struct Of {};
 template <class T>
@@ -57,7 +58,7 @@ const Keys<T>& table() {
   return keys;
 }
 
-/// Keys of all these tables in one list.
+/// Concatenates the keys of the table types T.
 template <class... T>
 std::vector<Entry> entries() {
   std::vector<Entry> all;
@@ -65,7 +66,7 @@ std::vector<Entry> entries() {
   return all;
 }
 
-/// JSON schema of a table.
+/// JSON schema of a table with these keys.
 Json object(const std::vector<Entry>& keys);
 
 template <class T>
@@ -79,7 +80,7 @@ void read_keys(Reader& in, T& to, const Scene& scene) {
   in.finish();
 }
 
-/// Lines of a table and of the tables in it, as TOML.
+/// Writes the keys of a table, and the tables inside it, as lines of TOML. `path`: name of the table.
 template <class T>
 std::string lines(const std::string& path, const T& from) {
   std::string text;
@@ -91,7 +92,7 @@ std::string lines(const std::string& path, const T& from) {
   return text;
 }
 
-/// Writes a table on one line, with the unit of its first key.
+/// Writes a table on one line, with the unit of its first key; `text`: entries to precede the keys.
 template <class T>
 Written on_one_line(const T& from, std::string text = {}) {
   for (const Key<T>& key : table<T>())
@@ -113,7 +114,7 @@ struct Content<std::optional<U>> {
   static const U* in(const std::optional<U>& member) { return member ? &*member : nullptr; }
 };
 
-/// Makes a key with a value. `written`: whether to write it; null: always.
+/// Makes a key with a value. `written`: predicate whether to write the key; null: always.
 template <class T, class M, class K>
 Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
              KeyInfo said = {}, Predicate<T> written = nullptr) {
@@ -140,7 +141,7 @@ Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", con
   return key;
 }
 
-/// Makes a key with a value that is required.
+/// Makes a required key with a value.
 template <class T, class M, class K>
 Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
                 KeyInfo said = {}) {
@@ -148,7 +149,7 @@ Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", 
   return value(name, member, kind, unit, meaning, std::move(said));
 }
 
-/// Makes a key with a table, without its writing.
+/// Makes a key with a table that can be read; the caller adds how to write the key.
 template <class T, class M>
 Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
   using U = typename Content<M>::Type;
@@ -162,7 +163,7 @@ Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
   return key;
 }
 
-/// Makes a key with a table on one line.
+/// Makes a key with a table that is written on one line.
 template <class T, class M>
 Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
   Key<T> key = table_in(name, member, said);
@@ -173,7 +174,8 @@ Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
   return key;
 }
 
-/// Makes a key with a table under a heading.
+/// Makes a key with a table that is written under a heading. `written`: predicate whether to write the key;
+/// null: always.
 template <class T, class M>
 Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T> written = nullptr) {
   Key<T> key = table_in(name, member, said);
@@ -185,7 +187,8 @@ Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T
   return key;
 }
 
-/// Makes a key with tables under headings `[[name]]`, or one under `[name]` if `alone` is given and true.
+/// Makes a key with an array of tables under headings `[[name]]`. `alone`: predicate whether the array is
+/// written as a single table under `[name]`; if given, a single table can be read too.
 template <class T, class U>
 Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& said,
                 Predicate<std::vector<U>> alone = nullptr) {
@@ -206,16 +209,16 @@ Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& sai
   return key;
 }
 
-/// Default of the i-th alternative of a variant.
+/// Default-constructs a variant with its i-th alternative.
 template <class... A>
 std::variant<A...> alternative(std::size_t i, const std::variant<A...>&) {
   return std::array<std::variant<A...>, sizeof...(A)>{A{}...}[i];
 }
 
-/// Reads the keys of all tables of a scene, whose file is set.
+/// Reads the keys of all tables into `scene`, whose member `file` is set already.
 void read(Reader& in, Scene& scene);
 std::string write(const Scene& scene);
-/// Entries of all tables of a scene.
+/// Keys of all tables of a scene.
 std::vector<Entry> all();
 
 } // namespace signorini::scene::schema

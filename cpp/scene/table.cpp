@@ -18,7 +18,7 @@ namespace signorini::scene {
 namespace {
 
 constexpr std::string_view blanks = " \t";
-constexpr std::size_t shown = 40; ///< bytes of a cell in a message
+constexpr std::size_t shown = 40; ///< largest number of bytes of a cell in a message
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);
@@ -26,7 +26,7 @@ std::string_view trimmed(std::string_view text) {
                                          : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Calls visit(c, i) for the characters of a line that are in no quoted cell.
+/// Calls visit(c, i) for each character c of a line, at index i, that is not in a quoted cell.
 template <class Visit>
 void outside_quotes(std::string_view line, Visit&& visit) {
   bool quoted = false, start = true; // of a cell: a quote within one is part of its text
@@ -41,7 +41,7 @@ void outside_quotes(std::string_view line, Visit&& visit) {
   }
 }
 
-/// Cells of a line without blanks and quotes around them.
+/// Splits a line into cells, and strips blanks and quotes around each cell.
 std::vector<std::string_view> cells(std::string_view line, char separator) {
   std::vector<std::string_view> found;
   std::size_t start = 0;
@@ -60,7 +60,8 @@ std::vector<std::string_view> cells(std::string_view line, char separator) {
   return found;
 }
 
-/// Separator of the line of names: a tab, else a semicolon, else a comma, since names may contain the latter.
+/// Separator of cells, from the line of column names: a tab if there is one, else a semicolon, else a comma.
+/// Tabs and semicolons take precedence, since names may contain commas.
 char separator(std::string_view names) {
   char found = ',';
   outside_quotes(names, [&](char c, std::size_t) {
@@ -70,7 +71,7 @@ char separator(std::string_view names) {
   return found;
 }
 
-/// Takes the first line off a text. Lines end with LF, CR LF or, of old programs, CR.
+/// Removes the first line from a text and returns it. Lines end with LF, CR LF or, in old files, CR.
 std::string_view take_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
   text.remove_prefix(line.size());
@@ -79,8 +80,8 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-/// Calls visit(line, number of the line) for the lines of a table until it returns false, without those that
-/// are empty, comments, or Excel's `sep=;`.
+/// Calls visit(line, number of the line) for the lines of a table until `visit` returns false. Skips empty
+/// lines, comments, and Excel's first line `sep=;`.
 template <class Visit>
 void for_each_line(std::string_view text, Visit&& visit) {
   if (text.starts_with("\xef\xbb\xbf")) // the mark by which some programs begin UTF-8
@@ -94,7 +95,7 @@ void for_each_line(std::string_view text, Visit&& visit) {
   }
 }
 
-/// Throws UserError if a text is in UTF-16, as spreadsheets write it, or binary.
+/// Throws UserError if a text has a zero byte, as binary files and the UTF-16 of spreadsheets have.
 void require_bytes_of_text(std::string_view text) {
   if (text.find('\0') != std::string_view::npos)
     throw UserError("found a zero byte, as in UTF-16 and in binary files; save the table as UTF-8");
@@ -110,9 +111,9 @@ std::optional<double> number(std::string_view text) {
              : std::nullopt;
 }
 
-/// Name of a column, split into name and unit: "x [mm]" or "x (mm)".
+/// Name of a column such as "x [mm]" or "x (mm)", split into base name and unit.
 struct Name {
-  std::string_view base, unit; ///< unit: the text in the brackets; empty without
+  std::string_view base, unit; ///< text before the brackets, and text inside; unit empty without brackets
   bool square = false;
 
   explicit Name(std::string_view whole) : base(whole) {
@@ -133,14 +134,15 @@ bool is_time(std::string_view name) {
 }
 bool is_t(std::string_view name) { return name == "t"; }
 
-/// Column of a table, and SI units per unit of it.
+/// Position of a column in a table, and the conversion of its values.
 struct Column {
-  std::size_t place = 0;
-  double factor = 1;
-  bool whole = true; ///< whether it was found by its whole name
+  std::size_t place = 0; ///< index of the column
+  double factor = 1;     ///< SI units per unit of the column
+  bool whole = true;     ///< whether the column was found by its whole name, so that no unit is applied
 };
 
-/// Number of the only name that `matches`; absent if there is none. Throws UserError if there are several.
+/// Index of the only name for which `matches` is true; absent if there is none. Throws UserError if there are
+/// several.
 template <class Matches>
 std::optional<std::size_t> only(const std::vector<std::string_view>& names, Matches&& matches) {
   const auto first = std::ranges::find_if(names, matches);
@@ -148,12 +150,13 @@ std::optional<std::size_t> only(const std::vector<std::string_view>& names, Matc
     return std::nullopt;
   if (const auto other = std::find_if(first + 1, names.end(), matches); other != names.end())
     throw UserError(
-        fmt::format("found \"{}\" in column {} and \"{}\" in column {}; rename all but the one that is meant",
+        fmt::format("found \"{}\" in column {} and \"{}\" in column {}; rename all but the column to be used",
                     *first, first - names.begin() + 1, *other, other - names.begin() + 1));
   return static_cast<std::size_t>(first - names.begin());
 }
 
-/// Throws UserError unless a unit has the dimension of one of those `allowed`; if there are none, any may be.
+/// Throws UserError unless the unit `found` has the dimension of one of the `allowed` units; accepts any unit
+/// if `allowed` is empty. `name`: name of the column, for messages.
 void require_unit(std::string_view name, const Unit& found, const std::vector<std::string>& allowed) {
   if (!allowed.empty() && std::ranges::none_of(allowed, [&](const std::string& one) {
         return unit(one).value_or(Unit{}).dimension == found.dimension;
@@ -162,7 +165,8 @@ void require_unit(std::string_view name, const Unit& found, const std::vector<st
                                 fmt::join(allowed, " or ")));
 }
 
-/// Finds a quantity: by its whole name, else by its name before a unit. Throws UserError.
+/// Finds the column of a quantity: the one named `column`, else the one named `column` before a unit.
+/// `units`: units to which the column's unit must be convertible; empty: any. Throws UserError.
 Column quantity_of(const std::vector<std::string_view>& names, const std::string& column,
                    const std::vector<std::string>& units) {
   if (const auto place = only(names, [&](std::string_view name) { return name == column; }))
@@ -179,15 +183,15 @@ Column quantity_of(const std::vector<std::string_view>& names, const std::string
   const std::optional<Unit> found = unit(Name(names[*place]).unit);
   if (!found)
     throw UserError(fmt::format("found an unknown unit in \"{}\"; units combine m, g, s, min, h, N, Pa and "
-                                "prefixes, as [kN] or [m/s^2] (unconverted: column \"{}\")",
+                                "prefixes, as [kN] or [m/s^2]. To read it unconverted, set column to \"{}\"",
                                 names[*place], names[*place]));
   require_unit(names[*place], *found, units);
   return {*place, found->factor, false};
 }
 
-/// Throws UserError if the line of column names has numbers alone, or a single name of another column.
+/// Throws UserError if the line of column names consists of numbers, or of a single name other than `column`.
 void require_names(const std::vector<std::string_view>& names, const std::string& column, int line) {
-  constexpr const char* rule = "names of columns stand in the first line that does not begin with #";
+  constexpr const char* rule = "column names must be in the first line that does not begin with #";
   if (std::ranges::all_of(names, [](std::string_view name) { return number(name).has_value(); }))
     throw UserError(fmt::format("line {}: found numbers; {}", line, rule));
   if (names.size() == 1 && Name(names[0]).base != column)
@@ -195,7 +199,8 @@ void require_names(const std::vector<std::string_view>& names, const std::string
                                 names[0].substr(0, shown), rule));
 }
 
-/// Finds the times: the column "time" or "t", with a unit or without, else the first. Throws UserError.
+/// Finds the column of times: "time" or "t", with or without a unit, else the first column. Throws UserError
+/// if its unit is not a unit of time.
 Column times_of(const std::vector<std::string_view>& names) {
   std::optional<std::size_t> place;
   for (bool (*const named)(std::string_view) : {is_time, is_t}) {
@@ -247,8 +252,8 @@ TableColumn read_column(const std::string& text, const std::string& column,
     if (const auto extra = std::ranges::find_if(row.begin() + std::min(columns, row.size()), row.end(),
                                                 [](std::string_view cell) { return !cell.empty(); });
         extra != row.end())
-      throw UserError(fmt::format("line {}: found {} cells below {} names; numbers need a decimal point, and "
-                                  "no separator within them",
+      throw UserError(fmt::format("line {}: found {} cells below {} column names; numbers need a decimal "
+                                  "point and no thousands separators",
                                   number_of_line, row.size(), columns));
     const auto at = [&](std::size_t i) {
       const std::string_view cell = i < row.size() ? row[i] : std::string_view();
@@ -268,7 +273,8 @@ TableColumn read_column(const std::string& text, const std::string& column,
     return true;
   });
   if (found.times.size() < 2)
-    throw UserError(fmt::format("found {} line{} of numbers; expected at least two after one of names",
+    throw UserError(fmt::format("found {} line{} of numbers; expected at least two, after a line of column "
+                                "names",
                                 found.times.size(), found.times.size() == 1 ? "" : "s"));
   return found;
 }
@@ -292,7 +298,8 @@ std::string unit_hint(const TableColumn& column) {
 
 namespace {
 
-/// Largest plausible ratio of the spans of a table and of a run: 1000, less rounding, if ms are read as s.
+/// Largest plausible ratio of the time span of a table to that of a run. Reading ms as s gives 1000; the
+/// limit is slightly lower because of rounding.
 constexpr double plausible_ratio = 999;
 
 std::vector<TableWarning> doubt_about_the_unit(const TableColumn& column) {
@@ -339,7 +346,8 @@ std::vector<TableWarning> doubts_as_data(const TableColumn& column, double end) 
                         end / span, plausible_ratio});
   else if (constexpr double rounding = 1e-9; rest > longest + rounding * end)
     warnings.push_back(
-        {fmt::format("the data end at {:.6g} s, the run at {:.6g} s: nothing is fitted to the rest",
+        {fmt::format("the data end at {:.6g} s, but the run at {:.6g} s: the rest of the run is not compared "
+                     "with data",
                      times.back(), end),
          rest / longest, 1});
   return warnings;

@@ -6,49 +6,52 @@
 
 namespace signorini::scene {
 
-/// A quantity of a CSV table.
+/// Times and values of one column of a CSV table.
 struct TableColumn {
-  std::vector<double> times, values; ///< SI, as many; times ascending, at least two
-  std::string time_name;             ///< name of the column of times, if it states no unit
-  std::string name;                  ///< name of the quantity's column, with its unit
-  double factor = 1;                 ///< SI units per unit of the column, already applied
-  std::string unconverted;           ///< the quantity's name, if it ends with a unit that is not applied
+  std::vector<double> times, values; ///< at least two ascending times (s), and a value (SI) for each
+  std::string time_name;             ///< name of the column of times if it states no unit, else empty
+  std::string name;                  ///< name of the column of values, with its unit
+  double factor = 1;                 ///< SI units per unit of the column, already applied to the values
+  std::string unconverted;           ///< name of the column if its unit was not applied, else empty
 };
 
-/// Reads a column of a CSV text: numbers below one line of names, separated by commas, semicolons or tabs.
-/// Quoted cells may contain these; lines that begin with # are skipped. Times are in the column "time" or
-/// "t", else in the first. A name may end with a unit in brackets, as "time [ms]" or "x [mm]", by which its
-/// values are converted to SI (unit()). A name that equals `column` as a whole has no unit. `units`: those
-/// that the quantity may have, unchecked if empty. Throws UserError naming line or column.
+/// Reads a column of a CSV text with one line of column names above lines of numbers. Cells are separated by
+/// commas, semicolons or tabs, which quoted cells may contain; lines that begin with # are skipped. The times
+/// are in the column "time" or "t", else in the first column. A column name may end with a unit in brackets,
+/// as "time [ms]" or "x [mm]"; the column is then converted to SI (unit()). If `column` includes the
+/// brackets, the values are not converted. `units`: units to which the column's unit must be convertible;
+/// empty: any. Throws UserError naming line or column.
 TableColumn read_column(const std::string& text, const std::string& column,
                         const std::vector<std::string>& units = {});
 
-/// Whether a text's line of names has a column, with or without a unit.
+/// Whether the line of column names in a CSV text has `column`, with or without a unit.
 bool has_column(const std::string& text, const std::string& column);
 
-/// Hint, for messages, on how to state the unit of a table's times; empty if the table states it.
+/// Hint, for messages, on how to state the unit of a table's times; empty if the table states the unit.
 std::string unit_hint(const TableColumn& column);
 
-/// A warning that a table may not be read as intended; `value` exceeds `limit`.
+/// A warning that a table may not be read as intended.
 struct TableWarning {
   std::string message;
-  double value, limit;
+  double value, limit; ///< value that exceeds its limit
 };
 
-/// Warnings about a load or a motion over a run from 0 to `end` (s), which the table covers. Reasons: the run
-/// uses one interval of several, or a thousandth or less of times without a unit, or a unit is not applied.
+/// Warnings about a table that prescribes a load or motion of a run from 0 to `end` (s), and covers the run.
+/// Reasons: the run uses only one of several intervals of the table; times without a unit span at least about
+/// 1000 times the run; or the unit of the column is not applied.
 std::vector<TableWarning> input_warnings(const TableColumn& column, double end);
-/// Warnings about data of a run from 0 to `end` (s). Reasons: times without a unit span a thousandth or less
-/// of it, the data end before it, or a unit is not applied.
+/// Warnings about a table of measured data for a run from 0 to `end` (s). Reasons: times without a unit span
+/// at most about a thousandth of the run; the data end before the run; or the unit of the column is not
+/// applied.
 std::vector<TableWarning> doubts_as_data(const TableColumn& column, double end);
 
-/// Time series that is the value of a key.
+/// A time series that a scene names as the value of a key.
 struct NamedSeries {
   std::string key;
-  std::filesystem::path file; ///< absolute
-  std::string column;
+  std::filesystem::path file; ///< path of the CSV file, absolute
+  std::string column;         ///< column of the values
 };
-/// Time series of a scene.
+/// All time series that a scene names.
 std::vector<NamedSeries> time_series(const Scene& scene);
 
 } // namespace signorini::scene

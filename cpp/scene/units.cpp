@@ -28,7 +28,8 @@ std::optional<Unit> symbol(std::string_view text) {
   return std::nullopt;
 }
 
-/// Takes the exponent off the end of a factor; 1 if it has none, absent if it is wrong.
+/// Removes the exponent from the end of a factor such as mm² or s^2, and returns it; 1 if there is none,
+/// absent if it is not valid.
 std::optional<int> take_exponent(std::string_view& factor) {
   for (const auto& [text, exponent] :
        {std::pair<std::string_view, int>{"\u00b2", 2}, {"\u00b3", 3}, {"\xb2", 2}, {"\xb3", 3}})

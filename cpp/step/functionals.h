@@ -7,51 +7,57 @@
 #include <utility>
 #include <vector>
 
-/// Linear functionals of a motion, shared by probes, measurements and figures of the body: point values and
-/// means of displacements and velocities, and forces of obstacles from multipliers.
+/// Linear functionals of a motion, shared by probes, measurements and BodyFigures: point values and means of
+/// displacements and velocities, and forces of obstacles computed from contact multipliers.
 namespace signorini::step {
 
-/// The translation by 1 along an axis, a field of V. Collective.
+/// Returns the rigid translation by 1 along an axis as a field of V. Collective.
 [[nodiscard]] petsc::Vector translation(const fem::Space& space, std::size_t axis);
 
-/// Mean of one component of y in V, weights·y, over the set whose mass matrix gave the weights.
+/// Functional weights·y, the mean of one component of y in V over a set: the group or body whose mass matrix
+/// gave the weights.
 struct Mean {
   petsc::Vector weights;
-  double measure; ///< e·Me for the translation e along the axis: area or volume, or mass
+  double measure; ///< e·Me for the translation e along the axis and that matrix M: area, volume or mass
 };
-/// Makes the mean by `matrix`: that of the L2 product of a group, or a mass matrix. Collective.
+/// Creates the mean of a component in the product of `matrix`: the L2 product of a group, or a mass matrix.
+/// Collective.
 [[nodiscard]] Mean mean(const fem::Space& space, Mat matrix, std::size_t component);
 
-/// Throws UserError naming `key` if the point of this number is outside of the body: farther from its mesh
-/// than chords of a coarse one are from a curved boundary.
+/// Throws UserError naming `key` if point `number` of `sampler` is outside the body: farther from the mesh
+/// than 1 % of the mesh's diameter, since chords of a coarse mesh cut off a curved boundary. `point`: its
+/// coordinates (m), for the message.
 void require_inside(const fem::Space& space, const fem::Sampler& sampler, std::size_t number,
                     const std::vector<double>& point, const std::string& key);
 
-/// A functional of V in which few dofs have a part: its entries on this rank that are not zero.
+/// Linear functional on V with few nonzero entries; stores those of this rank.
 class SparseFunctional {
 public:
   SparseFunctional() = default;
   explicit SparseFunctional(Vec functional);
 
-  /// Returns this rank's part of the value at y, whose owned entries are `values`.
+  /// Returns this rank's contribution to the functional's value at y. `values`: the entries of y that this
+  /// rank owns.
   [[nodiscard]] double operator()(std::span<const double> values) const;
-  /// sum += factor · functional, on the owned entries.
+  /// Adds factor times the functional's entries to `sum`, the owned entries of a vector of V.
   void add_to(std::span<double> sum, double factor) const;
 
 private:
-  std::vector<std::pair<int, double>> row_; ///< owned dofs and weights
+  std::vector<std::pair<int, double>> row_; ///< owned dofs, with the entry of each
 };
 
-/// A component of the force on the body of one obstacle or of all.
+/// Selects a component of the contact force on the body, from one obstacle or from all.
 struct ObstacleComponent {
-  int obstacle = -1; ///< number in the scene; −1: all
+  int obstacle = -1; ///< index in the scene; −1: the sum over all obstacles
   int component = 0;
 };
-/// Returns that component for multipliers `lambda`, in their unit. `rows`: pairs.rows() or, for the rate of
-/// the force, their derivatives. Not collective.
+/// Returns the selected component of the contact force on the body, in the unit of the multipliers `lambda`
+/// (one for each row). `rows`: pairs.rows(); or their derivatives, which give that part of the force's
+/// derivative. Not collective.
 [[nodiscard]] double force_on_body(const contact::ContactPairs& pairs, const contact::ConstraintRows& rows,
                                    ObstacleComponent of, std::span<const double> lambda);
-/// dual += factor · derivative of that component by the multipliers of pairs.rows(). Not collective.
+/// Adds factor times the derivative of the selected force component by the multipliers of pairs.rows() to
+/// `dual` (one entry for each row). Not collective.
 void add_force_dual(const contact::ContactPairs& pairs, ObstacleComponent of, double factor,
                     std::span<double> dual);
 

@@ -12,7 +12,7 @@ namespace {
 
 long& evaluations = count("load evaluations");
 
-/// `out` set to zero; null if no term has such a part.
+/// Sets `out` to zero and returns it; null if `out` is null, since no term has that part.
 Vec zeroed(const petsc::Vector& out) {
   if (out)
     check(VecZeroEntries(out));
@@ -129,8 +129,8 @@ std::vector<Warning> SceneLoad::warnings() const {
       found.push_back(
           {"load not integrated",
            fmt::format(
-               "{}: the expression changes faster than it can be integrated: its impulse may be off by "
-               "{:.2g} of it",
+               "{}: the expression changes too fast to be integrated: its impulse may have a relative error "
+               "of {:.2g}",
                term.profile.field().key(), off),
            off, noticeable});
   });

@@ -12,31 +12,34 @@
 
 namespace signorini::step {
 
-/// A functional on V in two parts: φ ↦ (density, φ) + vector·φ. A null part is zero and costs nothing.
+/// Linear functional on V in two parts, φ ↦ (density, φ) + vector·φ, with the product of L2. A null part is
+/// zero and costs nothing.
 struct Functional {
-  Vec density = nullptr; ///< nodal values; W times these are the functional's entries
+  Vec density = nullptr; ///< nodal values; W times these gives the functional's entries
   Vec vector = nullptr;  ///< entries of the functional
 };
 
-/// Force on the body in a step, f_k + s u_k: a force density, N/m³, and forces on the nodes, N.
+/// Force of the loads and the control on the body in step k, f_k + s u_k: a force density, N/m³, and forces
+/// on the nodes, N.
 struct NodalForce : Functional {};
 
-/// The derivative of a function of the states with respect to one of them, such as ∂J/∂y_k.
+/// Derivative of a function of a motion's states by one of them, such as ∂J/∂y_k.
 struct StateDual : Functional {};
 
-/// Forces of the steps k = 1…N, or duals of the states k = 0…N, each given by the step that leads to it. All
-/// members collective.
+/// Series of functionals over the steps of a motion: forces in the steps k = 1…N, or duals of the states k =
+/// 0…N. A state is addressed by the step that leads to it. All members are collective.
 template <std::derived_from<Functional> F>
 class StepByStep {
 public:
   virtual ~StepByStep() = default;
-  /// Whether any step has a density, a vector; if none has, add() leaves that part of `sum` unchanged.
+  /// Returns whether any step has a density part; if not, add() leaves sum.density unchanged.
   [[nodiscard]] virtual bool has_density() const = 0;
+  /// Returns whether any step has a vector part; if not, add() leaves sum.vector unchanged.
   [[nodiscard]] virtual bool has_vector() const = 0;
-  /// Adds the force or dual of a step to `sum`.
+  /// Adds the force in `step`, or the dual of the state at its end, to `sum`.
   virtual void add(const TimeStep& step, F sum) const = 0;
-  /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 if f is constant
-  /// or no function of time. Collective.
+  /// Returns how much a force f varies between two times (s): ∫ |f − f̄| dt, f̄ its mean there, relative to ∫
+  /// |f| dt over the whole motion. 0 if f is constant or no function of time. Collective.
   [[nodiscard]] virtual double variation(double from, double to) const {
     (void)from, (void)to;
     return 0;
@@ -46,17 +49,18 @@ public:
 using Load = StepByStep<NodalForce>;
 using StateDuals = StepByStep<StateDual>;
 
-/// The sum of several such series; it allocates vectors for the parts that they have. All members collective.
+/// Sum of several series of forces or duals, evaluated step by step. Allocates vectors only for the parts
+/// (density, vector) that some term has. All members are collective.
 template <std::derived_from<Functional> F>
 class SumAtStep {
 public:
-  /// Null terms are zero. The references must outlive this object.
+  /// Creates the sum of `terms`; null pointers count as zero. The references must outlive this object.
   SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<F>*> terms);
   SumAtStep(const fem::Space& space, const StepByStep<F>& term) : SumAtStep(space, {&term}) {}
 
-  /// The sum at a step; valid until the next call.
+  /// Returns the sum at a step; valid until the next call.
   [[nodiscard]] F at(const TimeStep& step) const;
-  /// The largest variation of a term.
+  /// Returns the largest StepByStep::variation() of the terms between two times (s).
   [[nodiscard]] double variation(double from, double to) const;
 
 private:
@@ -67,41 +71,43 @@ private:
 using ForceAtStep = SumAtStep<NodalForce>;
 using DualAtStep = SumAtStep<StateDual>;
 
-/// out ← W density + vector, the functional as a vector of V. Collective.
+/// Sets out = W density + vector, the entries of `functional` as a vector of V. Collective.
 void assemble(Functional functional, const fem::Operators& operators, Vec out);
 
-/// Displacements y_0…y_N of a motion.
+/// Access to the displacements y_0…y_N of a motion.
 class Displacements {
 public:
   virtual ~Displacements() = default;
-  /// y_k at the end of a step, valid until the next call. Collective.
+  /// Returns the displacement y_k at the end of `step`; valid until the next call. Collective.
   [[nodiscard]] virtual Vec y(const TimeStep& step) const = 0;
 };
 
-/// The body force, the weight and the tractions of a scene, each by its exact mean over a step; evaluated
-/// again only if they depend on time.
+/// Body force, weight and tractions of a scene, each averaged over a step to the tolerance of
+/// fem::TimeProfile. A load that does not depend on time is evaluated once.
 class SceneLoad final : public Load {
 public:
-  /// `M`: the mass matrix of gravity; with the same for inertia, a free body falls without strain. `end`: end
-  /// of the motion, s. Collective. The references must outlive this object. Throws UserError.
+  /// Evaluates the loads that do not depend on time. `M`: mass matrix for the weight; if it is that of the
+  /// inertia too, a free body falls without strain. `end`: end of the motion, s. Collective. The references
+  /// must outlive this object. Throws UserError.
   SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !forces_.empty(); }
-  /// Adds the mean of f over the step.
+  /// Adds the means of all loads over the step to `sum`.
   void add(const TimeStep& step, NodalForce sum) const override;
 
-  /// Whether any load is evaluated in every step.
+  /// Returns whether any load depends on time, so that it is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
   [[nodiscard]] double variation(double from, double to) const override;
-  /// Warnings of loads whose means miss their tolerance.
+  /// Returns a warning for each load whose time integral misses its tolerance.
   [[nodiscard]] std::vector<Warning> warnings() const;
-  /// Memory of the surfaces' mass matrices, bytes. Collective.
+  /// Returns the memory of the mass matrices of the tractions' surfaces on all ranks, bytes. Collective.
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// A load, its nodal values, and its contribution: these values for a body force; their product with the
-  /// surface's mass matrix for a traction, with M for gravity.
+  /// A load, its nodal values and its contribution to the step force. That is the nodal values themselves for
+  /// a body force, and a matrix times them otherwise: the surface's mass matrix for a traction, M for the
+  /// weight.
   struct Term {
     fem::TimeProfile profile;
     petsc::Vector nodal;
@@ -109,11 +115,11 @@ private:
     Mat product = nullptr;   ///< surface or M; null for a body force
     petsc::Vector force{};   ///< product · nodal
   };
-  /// Makes a term, evaluated unless it depends on time.
+  /// Creates a term, and evaluates it unless it depends on time.
   [[nodiscard]] Term term(const scene::Components& components, const std::string& key) const;
   static void multiply(const Term& term);
   static void add_term(const Term& term, const TimeStep& step, Vec out);
-  /// Calls visit(term) for all.
+  /// Calls visit(term) for the body force, if any, and for all of forces_.
   template <class Visit>
   void for_each(Visit&& visit) const;
 

@@ -15,9 +15,10 @@ namespace {
 
 bool moves(const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); }
 
-/// The derivative at the end of an interval, of the polynomial through the values at Chebyshev points,
-/// accurate to rounding for motions that the steps resolve: f'(t) = Σ_j weight_j (f(t + place_j · reach) −
-/// f(t)) / reach, for the interval from t to t + reach.
+/// Weights of the derivative at the end t of the interval from t to t + reach:
+///     f'(t) = Σ_j weight_j (f(t + place_j · reach) − f(t)) / reach
+/// It is that of the polynomial through the values at Chebyshev points, accurate to rounding for motions that
+/// the steps resolve.
 struct Slope {
   static constexpr int degree = 6;
   std::array<double, degree + 1> place{}, weight{};
@@ -56,7 +57,7 @@ void MovingClamps::for_each_dof(Visit&& visit) const {
 
 MovingClamps::At MovingClamps::storage() const {
   At at;
-  for (petsc::Vector* x : {&at.position, &at.velocity, &at.force, &at.driving})
+  for (petsc::Vector* x : {&at.position, &at.velocity, &at.force, &at.starting_velocity})
     *x = space_.vector();
   return at;
 }
@@ -97,14 +98,14 @@ void MovingClamps::evaluate(const TimeStep& step, At& at) const {
   at.t = t;
 }
 
-Vec MovingClamps::driving(At& at, Vec y, Vec v) const {
-  check(VecCopy(v, at.driving));
+Vec MovingClamps::starting_velocity(At& at, Vec y, Vec v) const {
+  check(VecCopy(v, at.starting_velocity));
   const petsc::ReadArray from(y), to(at.position), before(v), after(at.velocity);
-  const petsc::WriteArray values(at.driving);
+  const petsc::WriteArray values(at.starting_velocity);
   for_each_dof([&](std::size_t dof) {
     values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / std::abs(at.reach);
   });
-  return at.driving;
+  return at.starting_velocity;
 }
 
 void MovingClamps::copy(Vec from, Vec to) const {

@@ -6,38 +6,43 @@
 
 namespace signorini::step {
 
-/// Clamps that move as the scene prescribes (docs/method.md section 2): y_k = γ(t_k) and v_k = γ′(t_k) on
-/// their dofs, which act on the free ones as loads. The recursion for the free dofs' velocities is not used
-/// on them: it would keep an error of v, or a jump of γ′, for ever with alternating sign, and excite the body
-/// through the mass that couples clamped and free dofs.
+/// Moving clamps of a scene, which prescribe y_k = γ(t_k) and v_k = γ′(t_k) on their dofs and thereby load
+/// the free dofs (docs/method.md section 2). The velocity recursion of the free dofs is not used on the
+/// moving ones. It would keep an error of v, or a jump of γ′, with alternating sign in all later steps, and
+/// excite the body through the mass that couples clamped and free dofs.
 class MovingClamps {
 public:
-  /// Throws UserError.
+  /// Selects the moving clamps of `clamps` and finds their nodes. `space` must outlive this object. Throws
+  /// UserError.
   MovingClamps(const fem::Space& space, const std::vector<scene::Clamp>& clamps);
 
-  /// Whether any of the clamps moves.
+  /// Returns whether any of `clamps` prescribes a displacement other than zero.
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
 
-  /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere, and scratch.
+  /// Values of γ(t_k), m, and γ′(t_k), m/s, on the moving dofs (zero on all others), and scratch vectors.
   struct At {
-    double t = -1, reach = 0; ///< time and signed step of the evaluation, s; t < 0: none
-    PetscObjectId forced = 0; ///< id of the D in `force` = D γ; 0: not evaluated
-    petsc::Vector position, velocity, force, driving;
+    double t = -1, reach = 0; ///< t_k and signed step of the last evaluation, s; t < 0: none
+    PetscObjectId forced = 0; ///< PETSc's id of the matrix D in `force` = D γ; 0: `force` is not evaluated
+    petsc::Vector position, velocity, force, starting_velocity;
   };
+  /// Allocates the vectors for evaluate(). Collective.
   [[nodiscard]] At storage() const;
-  /// Evaluates γ and γ′ at the end of a step, or at t_0. Collective. Throws UserError if they are not finite.
+  /// Evaluates γ and γ′ at the end of `step` (for k = 0 at t_0) into `at`. Collective. Throws UserError if a
+  /// value is not finite.
   void evaluate(const TimeStep& step, At& at) const;
 
-  /// Adds the motion of a step to the right-hand side `r` of the system with decoupled D: the force −D γ on
-  /// the free dofs, with the `D` before its clamped dofs were decoupled. Sets the `clamped` entries to γ
-  /// times `diagonal`, the entry of the decoupled D there. Collective.
+  /// Adds the clamps' motion in a step, evaluated in `at`, to `r`, the right-hand side of the system whose D
+  /// has its clamped dofs decoupled. On free dofs this is the force −D γ, with `D` before decoupling. Entries
+  /// on `clamped` dofs become `diagonal` γ, `diagonal` being the decoupled D's entry there. Collective.
   void apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
 
-  /// Returns, in at.driving, `v` with its moving dofs changed: for the state `y`, `v` before the step, the
-  /// mass then transfers the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. Collective.
-  [[nodiscard]] Vec driving(At& at, Vec y, Vec v) const;
+  /// Returns the velocity `v` before a step with other values on the moving dofs. With these in the step's
+  /// right-hand side, the mass transfers the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. `y`:
+  /// displacement before the step; `at`: evaluated at its end. The result is stored in at.starting_velocity.
+  /// Collective.
+  [[nodiscard]] Vec starting_velocity(At& at, Vec y, Vec v) const;
 
-  /// Copies the entries of the moving dofs.
+  /// Copies the entries of the moving dofs from `from` to `to`.
   void copy(Vec from, Vec to) const;
 
 private:
@@ -45,7 +50,7 @@ private:
     scene::Field field;
     std::vector<int> nodes, components;
   };
-  /// Calls visit(dof) for all moving dofs.
+  /// Calls visit(dof) for all moving dofs, with local numbers.
   template <class Visit>
   void for_each_dof(Visit&& visit) const;
 

@@ -11,9 +11,9 @@ namespace signorini::step {
 using petsc::check;
 
 struct ParameterRates::Rate {
-  petsc::Matrix A, B, M;            ///< derivatives; null if zero
-  std::optional<SceneLoad> load;    ///< derivative of the loads; for the density, the weight
-  std::optional<ForceAtStep> force; ///< value of `load` at a step
+  petsc::Matrix A, B, M;            ///< derivatives of these matrices; null if zero
+  std::optional<SceneLoad> load;    ///< derivative of the loads; for a density: the weight
+  std::optional<ForceAtStep> force; ///< evaluates `load` at a step
   std::optional<contact::ContactPairs::Rates> pairs;
   int obstacle = 0;
   scene::ObstacleRate obstacle_rate;
@@ -176,7 +176,7 @@ void ParameterRates::set(const StepMade& made) {
   }
   if (motion_) {
     stepper_.motion()->evaluate(made.step, *motion_);
-    momentum = stepper_.motion()->driving(*motion_, made.from.y(), momentum);
+    momentum = stepper_.motion()->starting_velocity(*motion_, made.from.y(), momentum);
   }
   check(VecAXPBY(inertia_, scheme.momentum(), 0, momentum));
   check(VecAXPY(inertia_, -1, difference_));
@@ -187,7 +187,7 @@ void ParameterRates::set(const StepMade& made) {
   }
 }
 
-/// The products that s_kj sums: calls add(matrix, factor, vector).
+/// Calls add(matrix, factor, vector) for each product of a matrix that s_kj contains.
 template <class Add>
 void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) {
   if (rate.A)

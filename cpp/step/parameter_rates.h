@@ -8,50 +8,56 @@
 
 namespace signorini::step {
 
-/// Data of a step that its derivatives by parameters need.
+/// Data of a completed step for its derivatives by parameters.
 struct StepMade {
   TimeStep step;
   const State &from, &to;
   const contact::ContactLinearisation& contact;
 };
 
-/// Derivatives of the equations of steps by the unknowns of a scene, for fixed states (docs/method.md
-/// section 9): per unit of the unknown j
+/// Derivatives of the step equations by the unknowns θ_j of a scene, at fixed states (docs/method.md section
+/// 9). The sensitivities δ, per unit of θ_j, satisfy
 ///     D δy_k + N δλ_k = R δy_{k−1} + … + s_kj,   ν·δy_k = c_kj on A_k,   δy_0, δv_0
-/// and, in contact-stabilized stepping, for the projected predictor
+/// and, for the projected predictor of contact-stabilized steps,
 ///     M δz + N δζ = M δx + r_kj,   ν·δz = e_kj on Z_k.
-/// All members collective.
+/// This class computes the sources s_kj, c_kj, r_kj, e_kj and the initial δy_0, δv_0. All members are
+/// collective.
 class ParameterRates {
 public:
-  /// `scene`: as read; `values`: those of its unknowns for which `stepper` was made. `stepper` must outlive
-  /// this object. Throws UserError.
+  /// Prepares the derivatives by all unknowns of `scene`, which is passed as read. `values`: the unknowns'
+  /// values with which `stepper` was created. `stepper` must outlive this object. Throws UserError.
   ParameterRates(const Stepper& stepper, const scene::Scene& scene, std::span<const double> values);
   ~ParameterRates();
 
+  /// Number of unknowns.
   [[nodiscard]] std::size_t count() const { return rates_.size(); }
-  /// Sets the step that the other members refer to; its vectors must not change until the next set().
+  /// Sets the step to which the other members refer; the vectors in `made` must not change until the next
+  /// set().
   void set(const StepMade& made);
 
-  /// sum += s_kj.
+  /// Adds s_kj, the derivative of the step's right-hand side by unknown j, to `sum`.
   void add_source(std::size_t j, Vec sum);
-  /// p·s_kj.
+  /// Returns p·s_kj, the product of p with the derivative of the step's right-hand side by unknown j.
   [[nodiscard]] double pairing(std::size_t j, Vec p);
-  /// Sets c_kj (m); false if it is zero, then c is left as it was.
+  /// Sets `c` to c_kj (rows, m), the value of ν·δy_k that unknown j prescribes on the active set. Returns
+  /// false and leaves `c` unchanged if c_kj is zero.
   bool constraint(std::size_t j, std::span<double> c);
 
-  /// Sets r_kj, and e_kj (m); false where Z_k is empty or both are zero.
+  /// Sets `r` to r_kj and `e` to e_kj (rows, m), the sources of the projected predictor for unknown j.
+  /// Returns false and leaves both unchanged if Z_k is empty or both are zero.
   bool predictor(std::size_t j, Vec r, std::span<double> e);
 
-  /// δH; null where zero.
+  /// Returns δH, the derivative of the constraint rows by unknown j; null if it is zero.
   [[nodiscard]] const contact::ConstraintRows* rows(std::size_t j) const;
 
-  /// δy_0 and δv_0; null where zero.
+  /// Returns δy_0, the derivative of the initial displacement by unknown j; null if it is zero.
   [[nodiscard]] Vec displacement(std::size_t j) const;
+  /// Returns δv_0, the derivative of the initial velocity by unknown j; null if it is zero.
   [[nodiscard]] Vec velocity(std::size_t j) const;
 
 private:
   struct Rate;
-  /// Whether normals change with any unknown.
+  /// Returns whether the candidates' normals depend on any unknown.
   [[nodiscard]] bool turn() const;
   void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
@@ -60,18 +66,21 @@ private:
   void add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   template <class Add>
   void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add);
-  /// Adds the weight of rate.M as a load.
+  /// Sets rate.load to the weight of rate.M, the derivative of the mass matrix, if the scene has gravity.
   void add_gravity(const scene::Scene& scene, Rate& rate) const;
-  /// ∂M of massless contact by an obstacle's parameter.
+  /// Returns the derivative of massless contact's mass matrix by unknown j, a parameter of an obstacle, by
+  /// central differences.
   [[nodiscard]] petsc::Matrix redistributed_mass_rate(const scene::Scene& scene,
                                                       std::span<const double> values, std::size_t j) const;
 
   const Stepper& stepper_;
   std::vector<std::unique_ptr<Rate>> rates_;
   std::optional<StepMade> made_;
-  petsc::Vector sum_, difference_, inertia_, jump_; ///< y + y⁻, y − y⁻, τ momentum − (y − y⁻), z − x
-  bool jumps_ = false;                              ///< whether Z_k is not empty
-  std::vector<double> lambda_, zeta_;               ///< λ_k, ζ_k (m), where normals turn
+  /// y_k + y_{k−1}, y_k − y_{k−1}, τ_k w − (y_k − y_{k−1}) with the step's starting velocity w, and the jump
+  /// z − x.
+  petsc::Vector sum_, difference_, inertia_, jump_;
+  bool jumps_ = false;                ///< whether Z_k has candidates
+  std::vector<double> lambda_, zeta_; ///< λ_k and ζ_k (m); set only if turn()
   petsc::Vector work_;
   std::vector<double> components_;
   std::optional<MovingClamps::At> motion_;

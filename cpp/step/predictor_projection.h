@@ -6,46 +6,48 @@
 
 namespace signorini::step {
 
-/// The projection that contact-stabilized stepping (docs/method.md section 2) adds to a step: the predictor x
-/// = y_{k−1} + τ v_{k−1} is moved to z, the nearest point to it in the norm of M that obeys the contact
-/// condition. z − x is called the jump. For a predictor that obeys it already only the gaps are computed.
+/// Projection of the predictor x = y_{k−1} + τ v_{k−1} in contact-stabilized steps (docs/method.md section
+/// 2). It moves x to z, the point nearest to x in the norm of M that satisfies the contact condition; z − x
+/// is called the jump. If x satisfies the condition already, only gaps are computed.
 class PredictorProjection {
 public:
-  /// Factorises M, which is also given in `blocks` (BAIJ). `derivatives`: linearised or transposed steps are
-  /// needed; `solves` as in SolverChoice. Collective. The references must outlive this object. Throws
-  /// SolverFailure.
+  /// Factorises the mass matrix, which is passed twice: `M` for products, `blocks` (BAIJ) for the solver.
+  /// `derivatives`: whether linearised or transposed steps are needed; `solves`: as in SolverChoice.
+  /// Collective. The references must outlive this object. Throws SolverFailure.
   PredictorProjection(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
                       const contact::ContactPairs& pairs, const scene::Solver& scene, bool derivatives,
                       double solves);
 
-  /// Storage of jumps.
+  /// Scratch and results of jump() and linearised_jump().
   struct Workspace {
     petsc::Vector r, jump;
-    std::vector<double> gap;       ///< (m)
+    std::vector<double> gap;       ///< gaps of the predictor, m
     contact::ContactState contact; ///< contact state of the projection
     contact::Workspace solver;
   };
-  /// Collective.
+  /// Creates scratch for jump() and linearised_jump(). Collective.
   [[nodiscard]] Workspace workspace() const;
 
-  /// The jump z − x of the predictor x for the gaps ψ of the undeformed body (m, in metres), null if it is
-  /// zero, in `work`; `set` becomes Z, the candidates that z touches, and `previous` is the Z of the step
-  /// before, from which the search starts. Collective. Throws SolverFailure.
+  /// Projects the predictor `x` and returns its jump z − x, which is stored in `work`; null if the jump is
+  /// zero. `psi`: gaps of the undeformed body (rows), m. `set` becomes Z, the candidates that z touches.
+  /// `previous`: Z of the previous step, from which the search for Z starts. Collective. Throws
+  /// SolverFailure.
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                          contact::ActiveSet& set, Workspace& work) const;
 
-  /// Πx − x with Π the projection linearised on the set Z, null where Z is empty, in `work`. Π is
-  /// self-adjoint in the product of M. With `data`, z − x for the solution of M z + H ζ = M x + force with
-  /// Hᵀz = motion (m) on Z. Collective.
+  /// Data of an inhomogeneous linearised_jump(): z solves M z + H ζ = M x + force, Hᵀz = motion on the set Z.
   struct Data {
-    Vec force = nullptr;            ///< a functional; null: zero
-    std::span<const double> motion; ///< m
-    std::span<double> multipliers;  ///< ζ on return (m)
+    Vec force = nullptr;            ///< a functional on V; null: zero
+    std::span<const double> motion; ///< prescribed Hᵀz (rows), m
+    std::span<double> multipliers;  ///< ζ on return (rows), m
   };
+  /// Returns the jump Πx − x of the projection Π linearised on the set Z, which is stored in `work`; null if
+  /// Z is empty. Π is self-adjoint in the product of M. With `data`, returns z − x for the inhomogeneous
+  /// problem of Data. Collective.
   [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
                                     const Data* data = nullptr) const;
 
-  /// Memory on all ranks, bytes. Collective.
+  /// Returns the memory of factor and condensation on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;
 
 private:

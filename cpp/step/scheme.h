@@ -3,16 +3,16 @@
 
 namespace signorini::step {
 
-/// The coefficients of one Newmark step of length τ, (4.21)–(4.22), docs/method.md section 2. With the
-/// predictor x = y_{k−1} + τ v_{k−1} and its jump j = Πx − x, zero except in contact-stabilized stepping, a
-/// step is
+/// Coefficients of a Newmark step of length τ, (4.21)–(4.22) in docs/method.md section 2. The predictor x =
+/// y_{k−1} + τ v_{k−1} has a jump j = Πx − x, zero except in contact-stabilized stepping. A step is
 ///     D y_k + N λ_k = R y_{k−1} + momentum() M (v_{k−1} + jump_rate() j) + impulse() (f_k + s W u_k)
 ///     v_k = rate() (y_k − y_{k−1} − j) − v_{k−1},   R = D − 2 stiffness() A
-/// Its transpose leads from p_k and the dual M ω_k of v_k, with the jump j = Πs − s of s = p_k − rate() ω_k,
-/// to step k − 1, whose rate is rate':
+/// The transposed step leads from p_k and the dual M ω_k of v_k to step k − 1, whose rate() and D are rate'
+/// and D'. With the jump j = Πs − s of s = p_k − rate() ω_k it is
 ///     ω_{k−1} = τ (p_k + j) − ω_k
 ///     D' p_{k−1} + N μ_{k−1} = R p_k + M (rate' ω_{k−1} − rate() ω_k + j) + ∂J/∂y_{k−1}
-/// Defined only here, except that the form d in forms/, which defines D, contains stiffness() and τ/2 too.
+/// These coefficients are defined only here; the form d in forms/, which defines D, repeats stiffness() and
+/// τ/2.
 struct Scheme {
   double tau; ///< length of the step, s
 

@@ -16,19 +16,25 @@ namespace {
 
 constexpr double small_setup = 2e9; ///< flops
 
-/// Flops and bytes a second of each rank (`./dev bench choice`). Ratios alone decide: a dense product has
-/// four times the flops of CHOLMOD's factorisation, and an array is read somewhat faster than a factor; MUMPS
-/// has fronts that wait for each other.
+/// Rates of one rank: operations per second of a set-up, bytes per second of a solve (`./dev bench choice`).
+/// Only ratios matter. A dense product is four times as fast as CHOLMOD's factorisation, and an array is read
+/// somewhat faster than a factor. MUMPS is slower, since its fronts wait for each other.
 struct Rates {
   double flops, bytes;
 };
 constexpr Rates cholmod{.flops = 16e9, .bytes = 15e9}, mumps{.flops = 8e9, .bytes = 6e9};
-constexpr double iteration_rate = 20e9; ///< bytes a second of an iteration by conjugate gradients
+constexpr double iteration_rate = 20e9; ///< bytes per second of an iteration by conjugate gradients
 
-/// Trials from zero that a step takes by conjugate gradients: its guess saves iterations, changes of the
-/// active set and evaluations of contact cost others.
+/// Seconds per unknown for the analysis by MUMPS, which one rank makes, and for the distribution of D.
+constexpr double mumps_analysis = 25e-6;
+/// Least number of entries of a factor per entry of D's upper half: 16 in the plane at 13,000 unknowns.
+constexpr double least_fill = 15;
+
+/// Cost of a step by conjugate gradients in units of the trial solve, which starts from zero. A step's guess
+/// saves iterations; changes of the active set and evaluations of contact cost others.
 constexpr double solves_per_step = 0.9;
-/// Factor by which conjugate gradients must be quicker: estimates are rough, and a factor's solves are exact.
+/// Factor by which conjugate gradients must be faster to be chosen: estimates are rough, and solves by a
+/// factor are exact.
 constexpr double margin = 1.15;
 
 } // namespace
@@ -47,6 +53,16 @@ Price price(const DirectWork& work, int ranks) {
           .solve = work.solve_bytes / (rates.bytes * ranks)};
 }
 
+Price least_mumps_price(Mat D, int ranks) {
+  PetscInt n = 0;
+  MatInfo info{};
+  check(MatGetSize(D, &n, nullptr));
+  check(MatGetInfo(D, MAT_GLOBAL_SUM, &info));
+  const auto unknowns = static_cast<double>(n);
+  const double entries = least_fill * (info.nz_used + unknowns) / 2;
+  return {.setup = mumps_analysis * unknowns, .solve = 2 * sizeof(double) * entries / (mumps.bytes * ranks)};
+}
+
 Price iterative_price(double trial_work, double iteration_bytes, int ranks) {
   return {.solve = solves_per_step * trial_work * iteration_bytes / (iteration_rate * ranks)};
 }
@@ -57,8 +73,8 @@ double affordable(const Price& direct, double solves, double iteration_bytes, in
 
 namespace {
 
-/// Layers of a graph around a node: nodes as far from it as each other. Returns their number, and the last
-/// node found in `start`.
+/// Returns the number of layers of a graph around the node `start`: sets of nodes at equal distance from it.
+/// Sets `start` to a node of the last layer.
 int layers(PetscInt nodes, const PetscInt* begin, const PetscInt* neighbours, PetscInt& start) {
   std::vector<bool> found(static_cast<std::size_t>(nodes));
   std::vector<PetscInt> layer{start}, next;
@@ -102,7 +118,7 @@ double least_factor_bytes(Mat D) {
 
 namespace {
 
-/// Local nodes whose dofs contact constrains, of a run on one rank, each once.
+/// Returns the local nodes whose dofs contact constrains, each once, for a run on one rank.
 std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
   std::vector<int> nodes;
   if (pairs)
@@ -112,8 +128,8 @@ std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
   return nodes;
 }
 
-/// Whether conjugate gradients take fewer iterations by columns on demand than by projection onto the
-/// active set, if all of these fit into the memory.
+/// Returns whether columns on demand take fewer iterations than projection onto the active set and all
+/// columns fit into `memory` (bytes).
 bool condense_on_demand(const contact::ConstraintRows& rows, double solves, Mat D, double memory) {
   // A column, from zero, takes as many iterations as two or three steps, from their guesses. A step saves the
   // solves in which the set changes, 0.07 to 0.15 of one, and the projections (half-disc, block, disc-drop).
@@ -124,7 +140,7 @@ bool condense_on_demand(const contact::ConstraintRows& rows, double solves, Mat 
          sizeof(double) * static_cast<double>(n) * rows.count() <= memory;
 }
 
-/// Memory of S and the factor of its active block, bytes.
+/// Returns the memory of the condensed matrix S and of the factor of its active block, bytes.
 double dense_bytes(const contact::ContactPairs* pairs) {
   const double m = pairs ? pairs->count() : 0;
   return 2 * m * m * sizeof(double);
@@ -159,13 +175,14 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
 void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                              const EliminationOrder& order) {
   constexpr double gigabyte = 1e9;
+  const int size = ranks(petsc::comm(D_));
   const bool automatic = scene.linear == scene::LinearMethod::automatic;
   const auto settle = [&](auto solver, double trailing_block) -> decltype(solver.get()) {
     const double needed = solver->estimate() + dense_bytes(pairs);
     const bool possible = solver->possible();
     std::string compared =
         possible
-            ? fmt::format("a factor needs {:.2g} GB, above the limit of {:.2g} GB", needed / gigabyte,
+            ? fmt::format("a factor needs {:.2g} GB, the limit is {:.2g} GB", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
     if (automatic && (needed > scene.memory || !possible)) {
@@ -177,7 +194,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     if (automatic && solves > 0 && !full_) {
       const DirectWork work(solver->work(), pairs ? pairs->count() : 0, trailing_block);
       std::string times;
-      if (!work.small() && iterate_if_quicker(work, solver->name(), solves, times))
+      if (!work.small() && iterate_if_quicker(price(work, size), solver->name(), solves, times))
         return nullptr;
       compared += times;
     }
@@ -187,7 +204,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     linear_ = std::move(solver);
     return kept;
   };
-  if (ranks(petsc::comm(D_)) == 1) {
+  if (size == 1) {
     if (const double least = least_factor_bytes(D_); automatic && least > scene.memory) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
       const std::string why =
@@ -200,15 +217,21 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     const double trailing_block = solver->trailing_size();
     cholesky_ = settle(std::move(solver), trailing_block);
   } else {
+    // The analysis takes longer than short runs by conjugate gradients.
+    if (const Price least = least_mumps_price(D_, size);
+        automatic && solves > 0 && !full_ && least.setup > small_setup / mumps.flops) {
+      std::string ignored;
+      if (iterate_if_quicker(least, "MUMPS at least", solves, ignored))
+        return;
+    }
     mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);
   }
 }
 
-bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
+bool SolverChoice::iterate_if_quicker(const Price& factor, const std::string& direct, double solves,
                                       std::string& compared) {
   const int size = ranks(petsc::comm(D_));
   const double bytes = ConjugateGradients::iteration_bytes(D_);
-  const Price factor = price(work, size);
   std::unique_ptr<ConjugateGradients> solver;
   try {
     solver = std::make_unique<ConjugateGradients>(D_, solves, affordable(factor, solves, bytes, size));
@@ -219,7 +242,7 @@ bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string&
   const bool quicker =
       std::isfinite(iterative.solve) && margin * iterative.total(solves) <= factor.total(solves);
   const std::string both =
-      fmt::format("for {:.0f} solves {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
+      fmt::format("time of {:.0f} solves: {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
                   quicker ? fmt::format("{:.2g} s", iterative.total(solves)) : "more", solver->name());
   if (quicker) {
     const std::string why = fmt::format("{} (estimated {})", solver->name(), both);

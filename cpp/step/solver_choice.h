@@ -10,101 +10,110 @@
 
 namespace signorini::step {
 
-/// Estimated time of a solver for the steps of a run, in seconds on a machine of fixed rates. So the choice
-/// is the same on every machine and under any load.
+/// Estimated times of a solver in the steps of a run, s, on a machine of fixed rates. The choice of a solver
+/// is thus the same on every machine and under any load.
 struct Price {
-  double setup = 0, solve = 0;
+  double setup = 0, solve = 0; ///< times of the set-up and of one solve, s
   [[nodiscard]] double total(double solves) const { return setup + solves * solve; }
 };
 
-/// Work of a direct solver: factor and contact.
+/// Work of a direct solver and of its contact solver.
 struct DirectWork {
   double setup_flops = 0;
-  double solve_bytes = 0; ///< read by a solve
+  double solve_bytes = 0; ///< bytes that a solve reads
 
-  /// `candidates`: m; `trailing_block`: unknowns of the candidates' nodes where these are last in the
-  /// elimination order, else 0; then the columns of D⁻¹N are solved for.
+  /// Estimates the work from that of the factor. `candidates`: their number m. `trailing_block`: number of
+  /// unknowns at the candidates' nodes if these come last in the elimination order. Otherwise it is 0, and
+  /// condensation solves for m columns of D⁻¹N.
   DirectWork(const FactorWork& factor, double candidates, double trailing_block);
 
-  /// Whether set-up takes too little time for another solver to be worthwhile.
+  /// Returns whether the set-up is so short (below 2e9 operations) that no other solver is worthwhile.
   [[nodiscard]] bool small() const;
 };
 
-/// Price of a factorisation by CHOLMOD, on one rank, or by MUMPS.
+/// Returns the price of a direct solver: CHOLMOD on one rank, MUMPS on several.
 Price price(const DirectWork& work, int ranks);
 
-/// Price of conjugate gradients with iterations of `iteration_bytes`, whose trial took `trial_work`
-/// (ConjugateGradients::trial_work()).
+/// Returns a lower bound of the price of MUMPS for D from its unknowns and entries, without an analysis.
+/// Collective.
+Price least_mumps_price(Mat D, int ranks);
+
+/// Returns the price of conjugate gradients. `trial_work`: ConjugateGradients::trial_work(), a number of
+/// iterations; `iteration_bytes`: memory traffic of one iteration, bytes.
 Price iterative_price(double trial_work, double iteration_bytes, int ranks);
 
-/// Largest work of a trial at which conjugate gradients are chosen over `direct`.
+/// Returns the largest trial_work (iterations, see iterative_price()) at which conjugate gradients are chosen
+/// over a direct solver of price `direct`.
 double affordable(const Price& direct, double solves, double iteration_bytes, int ranks);
 
-/// Lower estimate of a factor's bytes on one rank, without an analysis: by the layers of the matrix graph
-/// around a node as far out as possible; 0 where the graph is not known. Not collective.
+/// Returns a lower estimate of a factor's memory on one rank, bytes, without a symbolic analysis. Derives it
+/// from the number of layers of the matrix graph around a node at its rim; 0 if PETSc does not provide the
+/// graph. Not collective.
 double least_factor_bytes(Mat D);
 
-/// The solvers of a run's steps, as the scene's [solver] says: a factorisation (CHOLMOD on one rank, MUMPS on
-/// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit
-/// the memory allowed or would take clearly longer.
+/// Solvers for the steps of a run, as the scene's [solver] says. This is a factorisation (CHOLMOD on one
+/// rank, MUMPS on several) with contact condensed to the candidates, or conjugate gradients. The latter are
+/// chosen where the factor would exceed the memory limit or take clearly longer.
 class SolverChoice {
 public:
-  /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs` is null without
-  /// contact; `derivatives`: linearised or transposed steps are needed; `solves`: expected number, to compare
-  /// times, 0 to choose by memory alone. `order`: the elimination order of a matrix with the same entries, if
-  /// one is known. `residual`: that of D for CondensedSolver, since a factorised D is not kept. Collective,
-  /// with the same choice on every rank. The references must outlive this object. Throws
-  /// SolverFailure.
+  /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs`: null without contact.
+  /// `derivatives`: whether linearised or transposed steps are needed. `solves`: expected number of solves,
+  /// for comparing times; 0: memory alone decides. `order`: elimination order of a matrix with the same
+  /// sparsity, if available. `residual`: computes the residual of D for CondensedSolver, since a factorised D
+  /// is not stored. Collective; every rank makes the same choice. The references must outlive this object.
+  /// Throws SolverFailure.
   SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
                bool derivatives, double solves = 0, const EliminationOrder& order = {},
                contact::Residual residual = {});
 
-  /// Whether D is not factorised.
+  /// Returns whether the solver is iterative, so that D is not factorised.
   [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }
-  /// Solves with D, for steps without contact.
+  /// Returns the solver for D, for steps without contact.
   [[nodiscard]] const LinearSolver& linear() const { return *linear_; }
-  /// The contact solver; null without contact.
+  /// Returns the contact solver; null without contact.
   [[nodiscard]] const contact::ContactStepSolver* contact() const { return contact_.get(); }
-  /// Whether solves start from a guess.
+  /// Returns whether solves use a guess of the solution.
   [[nodiscard]] bool takes_guess() const { return iterative_ || full_; }
 
-  /// Elimination order of a factorisation on one rank, else empty.
+  /// Returns the elimination order of a factorisation by CHOLMOD; empty for other solvers.
   [[nodiscard]] EliminationOrder order() const { return cholesky_ ? cholesky_->order() : EliminationOrder(); }
 
-  /// Relative error that a solve may leave; 0 for a direct solver, which leaves rounding alone.
+  /// Returns the relative tolerance of a solve (ConjugateGradients::tolerance()); 0 for a direct solver,
+  /// whose only error is rounding.
   [[nodiscard]] double tolerance() const { return iterative_ ? iterative_->tolerance() : 0; }
 
-  /// The chosen solver and the reason, in a few words.
+  /// Returns the name of the chosen solver and the reason for the choice, as text.
   [[nodiscard]] const std::string& choice() const { return choice_; }
 
-  /// Memory on all ranks, bytes.
+  /// Memory of the solvers on all ranks, bytes.
   struct Memory {
-    double factor = 0; ///< factor or preconditioner, and D where it is kept
-    double condensation = 0;
+    double factor = 0;       ///< factor or preconditioner, and D if it is stored
+    double condensation = 0; ///< contact solver
   };
-  /// Collective.
+  /// Returns the memory of the solvers. Collective.
   [[nodiscard]] Memory memory() const;
 
 private:
   void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                  const EliminationOrder& order);
-  /// Compares costs and takes conjugate gradients where they are cheaper, and returns whether; else sets
-  /// `compared` to the reason why the solver named `direct` stays.
-  bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
+  /// Chooses conjugate gradients if they are estimated to be faster, and returns whether it did. Otherwise
+  /// sets `compared` to the reason for the solver named `direct`.
+  bool iterate_if_quicker(const Price& factor, const std::string& direct, double solves,
                           std::string& compared);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
-  /// Makes the contact solver: condensed to the candidates or projected, as the linear solver allows.
+  /// Creates the contact solver for the chosen linear solver: condensed to the candidates or, for conjugate
+  /// gradients, projected onto the active set or with columns on demand.
   [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
                                                                       const scene::Solver& scene,
                                                                       double solves,
                                                                       contact::Residual residual);
 
-  petsc::Matrix D_; ///< null once it is factorised
+  petsc::Matrix D_; ///< null after a factorisation
   std::unique_ptr<LinearSolver> linear_;
-  const SparseCholesky* cholesky_ = nullptr; ///< linear_, if it has this type
+  const SparseCholesky* cholesky_ = nullptr; ///< linear_ if it has this type, else null
   const MumpsSolver* mumps_ = nullptr;
   const ConjugateGradients* iterative_ = nullptr;
-  bool full_ = false; ///< whether contact is solved by the VI in all unknowns
+  bool full_ = false; ///< whether contact is solved as one inequality in all unknowns (solver.vi)
   std::unique_ptr<contact::ContactStepSolver> contact_;
   std::string choice_;
 };

@@ -18,8 +18,8 @@ namespace {
 long &steps = count("steps"), &linearised_steps = count("linearised steps"),
      &adjoint_steps = count("adjoint steps");
 
-/// Least wave time at contact and at tractions that vary over time; of the whole body if body loads vary or
-/// the scene has no contact.
+/// Returns the least time in which a pressure wave crosses an element, s, over the elements at contact groups
+/// and at tractions that vary in time; over all elements if body loads vary or the scene has no contact.
 double wave_time(const fem::Space& space, const scene::Scene& scene) {
   std::vector<fem::Surface> surfaces;
   for (std::size_t i = 0; i < scene.contacts.size(); ++i)
@@ -43,9 +43,9 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
   return fem::least_wave_time(space, scene.materials, surfaces);
 }
 
-/// The lengths of steps that vary; none if all have the scene's. At the usual tolerance waves cross an
-/// element in contact within two steps or more. The error of a contact that begins within a step falls as
-/// the square of the step's length.
+/// Returns the lengths that automatic steps may have; none if time.step is given. At the usual tolerance
+/// (1e-2) the shortest is at most half of `wave_time` (s). It scales with the root of the tolerance, since
+/// the error of a contact that begins within a step falls as the square of the step's length.
 std::optional<StepLengths> step_lengths(const scene::Time& time, double wave_time) {
   constexpr double usual_tolerance = 1e-2;
   if (!time.automatic())
@@ -136,7 +136,7 @@ void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functiona
 
 namespace {
 
-/// x + c j in `work`, or x itself without a jump j.
+/// Returns x + c jump, stored in `work`; x itself if `jump` is null.
 Vec with_jump(Vec x, double c, Vec jump, Vec work) {
   if (!jump)
     return x;
@@ -144,13 +144,13 @@ Vec with_jump(Vec x, double c, Vec jump, Vec work) {
   return work;
 }
 
-/// The predictor y + τ v in `work`.
+/// Returns the predictor y + τ v, stored in `work`.
 Vec predicted(const Scheme& scheme, const State& from, Vec work) {
   check(VecWAXPY(work, scheme.tau, from.v(), from.y()));
   return work;
 }
 
-/// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}, rate() = 2/τ (4.22).
+/// Sets the velocity v = rate() (y_k − y_{k−1} − j) − v_{k−1} after a step, rate() = 2/τ (4.22).
 void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
   const double rate = scheme.rate();
   {
@@ -177,7 +177,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved); // v_{k−1} + j/τ
   if (motion_) {
     motion_->evaluate(in.step, *work.motion);
-    momentum = motion_->driving(*work.motion, in.from.y(), momentum);
+    momentum = motion_->starting_velocity(*work.motion, in.from.y(), momentum);
   }
   // (4.21): r = R y_{k−1} + τ M (v_{k−1} + j/τ) + τ²/2 (f_k + s W u_k)
   right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);

@@ -13,19 +13,19 @@
 
 namespace signorini::step {
 
-/// The state of a motion, or of a linearised one, at one time: vectors of V, of which the first is the
-/// displacement y (m) and the second the velocity v (m/s). Code that stores or copies states treats all
-/// parts alike.
+/// State of a motion, or of a linearised motion, at one time: a list of vectors of V, its parts. The first is
+/// the displacement y (m), the second the velocity v (m/s). A state that stores displacements alone has one
+/// part.
 class State {
 public:
-  /// Makes a zero state of `parts` vectors in the layout of `like`. Collective.
+  /// Creates a zero state of `parts` vectors with the layout of `like`. Collective.
   State(Vec like, std::size_t parts) : parts_(petsc::zero_series(like, parts)) {}
 
   [[nodiscard]] Vec y() const { return parts_[0]; }
   [[nodiscard]] Vec v() const { return parts_[1]; }
   [[nodiscard]] std::span<const petsc::Vector> parts() const { return parts_; }
 
-  /// Copies the parts that this state has from `other`, which has them all. Collective.
+  /// Copies from `other` as many parts as this state has; `other` must have at least as many. Collective.
   void copy(const State& other) {
     for (std::size_t i = 0; i < parts_.size(); ++i)
       petsc::check(VecCopy(other.parts_[i], parts_[i]));
@@ -37,41 +37,42 @@ private:
 
 /// Adjoint variables that a backward sweep passes from step k + 1 to step k (docs/method.md section 4).
 struct AdjointState {
-  petsc::Vector p, p_next; ///< p_k, a guess before step k, and p_{k+1}
-  petsc::Vector omega;     ///< ω_{k+1}, after step k ω_k
+  petsc::Vector p, p_next; ///< p_k (before step k a guess of it) and p_{k+1}
+  petsc::Vector omega;     ///< ω_{k+1} before step k, ω_k after it
 
-  /// Makes the zero adjoint state after step N. Collective.
+  /// Creates the adjoint state after step N, which is zero. Collective.
   explicit AdjointState(Vec like)
       : p(petsc::zero_like(like)), p_next(petsc::zero_like(like)), omega(petsc::zero_like(like)) {}
 
-  /// Moves on to step k − 1.
+  /// Makes p_k the p_next of step k − 1.
   void advance() { std::swap(p, p_next); }
 };
 
-/// Inputs of step k.
+/// Inputs of step k, from t_{k−1} to t_k.
 struct StepInput {
   TimeStep step;
-  const State& from;                             ///< at t_{k−1}
-  NodalForce load;                               ///< f_k + s u_k
-  const contact::ContactLinearisation& previous; ///< contact at t_{k−1}
+  const State& from;                             ///< state at t_{k−1}
+  NodalForce load;                               ///< force f_k + s u_k in the step
+  const contact::ContactLinearisation& previous; ///< contact in step k − 1
 };
 
-/// Results of a step; `contact` is constructed for the candidates, and to.y() is a guess on entry if the
+/// Results of step k. `contact` must be constructed for the candidates; to.y() is a guess on entry if the
 /// solver takes one.
 struct StepOutput {
-  State& to; ///< at t_k
+  State& to; ///< state at t_k
   contact::ContactState& contact;
 };
 
-/// A linearised step of (δy, δv) under δload on the active set of `contact`, that of step k.
+/// Data of a linearised step k for a change δload of the force: from (δy, δv) at t_{k−1} to that at t_k. The
+/// active set is passed separately.
 struct LinearisedStep {
   Scheme scheme;
   const State& from;
   NodalForce load;
-  State& to;                                       ///< δ of the state at t_k; y() as in StepOutput
-  std::span<const double> normal{};                ///< Hᵀδy on the active set (m), zero if empty
-  std::span<double> multipliers{};                 ///< δλ on return (m), not computed if empty
-  const PredictorProjection::Data* predictor = {}; ///< data of δz, null: none
+  State& to;                        ///< (δy, δv) at t_k; y() as in StepOutput
+  std::span<const double> normal{}; ///< prescribed Hᵀδy on the active set (rows, m); empty: zero
+  std::span<double> multipliers{};  ///< δλ on return (rows, m); empty: not computed
+  const PredictorProjection::Data* predictor = {}; ///< data of the projection to δz; null: none
 };
 
 /// Scheme and contact of a step, which determine its derivative.
@@ -80,141 +81,156 @@ struct StepContact {
   const contact::ContactLinearisation& contact;
 };
 
-/// A transposed step, from step k + 1 to k.
+/// Data of a transposed step, from step k + 1 to step k.
 struct AdjointStep {
-  StepContact step;                                ///< k
-  std::optional<StepContact> next;                 ///< k + 1, none at N
-  StateDual derivative;                            ///< ∂J/∂y_k
-  AdjointState& state;                             ///< adjoint of step k + 1 on entry, of step k on return
-  std::span<const double> normal{};                ///< Hᵀp_k = ∂J/∂λ_k on the active set (m), zero if empty
-  std::span<double> multipliers{};                 ///< μ_k on return (m), not computed if empty
-  const PredictorProjection::Data* predictor = {}; ///< data of the projection of s_{k+1}, null: none
+  StepContact step;                 ///< step k
+  std::optional<StepContact> next;  ///< step k + 1; none for k = N
+  StateDual derivative;             ///< ∂J/∂y_k
+  AdjointState& state;              ///< adjoint of step k + 1 on entry, of step k on return
+  std::span<const double> normal{}; ///< prescribed Hᵀp_k = ∂J/∂λ_k on the active set (rows, m); empty: zero
+  std::span<double> multipliers{};  ///< μ_k on return (rows, m); empty: not computed
+  const PredictorProjection::Data* predictor = {}; ///< data of the projection of s_{k+1}; null: none
 };
 
-/// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and stores what no step changes:
-/// the operators, D factorised once for each length of steps, and, where the scene has contact, the pairs and
-/// their solver. A step depends on its arguments alone; all scratch is in the workspace.
+/// Makes time steps, linearised steps and transposed steps (docs/method.md sections 2 and 4). Stores the data
+/// that no step changes: operators, a factorisation of D for each step length, contact candidates and their
+/// solver. A step depends on its arguments alone; all scratch is in the workspace.
 class Stepper {
 public:
-  /// Needs of a run, for the choice of solvers.
+  /// Requirements of a run that determine the choice of solvers.
   struct Needs {
-    bool derivatives = false; ///< linearised or transposed steps
+    bool derivatives = false; ///< whether linearised or transposed steps are needed
     double passes = 0;        ///< expected passes over all steps; 0: the solver is chosen by memory alone
-    bool iterative = false;   ///< whether the resumed run used an iterative solver
+    bool iterative = false;   ///< whether the solver must be iterative, as that of the resumed run was
   };
 
-  /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws
-  /// UserError, SolverFailure.
+  /// Assembles the operators, and factorises D for the first step length. Collective. The references must
+  /// outlive this object. Throws UserError, SolverFailure.
   Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
 
-  Stepper(const Stepper&) = delete; // its parts refer to each other
+  Stepper(const Stepper&) = delete; // its members refer to each other
   Stepper& operator=(const Stepper&) = delete;
 
-  /// The lengths that steps may have; null if all have the scene's.
+  /// Returns the lengths that automatic steps may have; null if all steps have the length time.step.
   [[nodiscard]] const StepLengths* step_lengths() const { return step_lengths_ ? &*step_lengths_ : nullptr; }
-  /// The end of motions, s.
+  /// Returns the end time of the motions, s.
   [[nodiscard]] double end() const { return end_; }
-  /// The length of a first step of which none is chosen yet, s.
+  /// Returns the length assumed for a first step whose length is not chosen yet, s: the shortest, or
+  /// time.step.
   [[nodiscard]] double first_length() const { return first_length_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
-  /// Solver of the latest step; other lengths solve by the same method. Valid until the next step.
+  /// Returns the solver of the step length used last; other lengths use the same method. Valid until the next
+  /// step.
   [[nodiscard]] const SolverChoice& solver() const { return *lengths_->latest().solver; }
-  /// Operators and solver of a step length; valid until the next step. Collective.
+  /// Returns the operators and the solver of step length `tau` (s), factorised if necessary; valid until the
+  /// next step. Collective.
   [[nodiscard]] const StepOperators::PerStepLength& of_length(double tau) const { return lengths_->at(tau); }
   /// Number of factorisations so far, repeated ones included.
   [[nodiscard]] int factorisations() const { return lengths_->made(); }
   /// Total time of the factorisations, s.
   [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
-  /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
+  /// Returns the mass matrix M of this run: the body's or, with massless contact, EᵀME (docs/method.md
+  /// section 2).
   [[nodiscard]] Mat M() const { return redistributed_mass_ ? redistributed_mass_ : operators_.M; }
-  /// The projection of the predictor; null except in contact-stabilized stepping.
+  /// Returns the projection of the predictor; null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
-  /// The moving clamps; null where no clamp moves.
+  /// Returns the moving clamps; null if no clamp moves.
   [[nodiscard]] const MovingClamps* motion() const { return motion_ ? &*motion_ : nullptr; }
-  /// The contact candidates; null without contact.
+  /// Returns the contact candidates; null without contact.
   [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
 
-  /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
+  /// Returns the least time in which a pressure wave crosses an element, s, over the elements at contact
+  /// groups and at tractions that vary in time. It covers all elements if a body load varies in time or there
+  /// is no contact.
   [[nodiscard]] double wave_time() const { return wave_time_; }
 
-  /// Number of rows of constraints, 0 without contact.
+  /// Returns the number of constraint rows, 0 without contact.
   [[nodiscard]] std::size_t rows() const {
     return pairs_ ? static_cast<std::size_t>(pairs_->rows().count()) : 0;
   }
-  /// A contact state without contact.
+  /// Creates a contact state for all candidates, in which none is in contact.
   [[nodiscard]] contact::ContactState contact_state() const {
     return pairs_ ? contact::ContactState(pairs_->count(), pairs_->rows().count()) : contact::ContactState();
   }
-  /// A zero state. Collective.
+  /// Creates a zero state. Collective.
   [[nodiscard]] State state() const { return {space_.vector(), state_parts()}; }
-  /// The number of a state's parts.
+  /// Returns the number of vectors of a full state, displacement and velocity.
   [[nodiscard]] static std::size_t state_parts() { return 2; }
+  /// Creates the zero adjoint state after step N. Collective.
   [[nodiscard]] AdjointState adjoint_state() const { return AdjointState(space_.vector()); }
 
-  /// Memory that the scheme needs beyond that of contact-implicit stepping, bytes. Collective.
+  /// Returns the memory that the contact scheme needs in addition to that of contact-implicit stepping, on
+  /// all ranks, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
 
-  /// Scratch of steps; one step at a time may use it. No step depends on what an earlier one left in
-  /// it.
+  /// Scratch of steps, for one step at a time. No step depends on the content that an earlier step left.
   struct Workspace {
     petsc::Vector r{}, work{}, moved{};
-    double tau = 0; ///< length of the step that `contact` was last used for, s
+    double tau = 0; ///< length of the step for which `contact` was used last, s
     std::optional<contact::ContactPairs::Gaps> gaps{};
     std::optional<contact::Workspace> contact{};
     std::optional<PredictorProjection::Workspace> predictor{};
     std::optional<MovingClamps::At> motion{};
   };
-  /// Collective.
+  /// Creates a workspace. Collective.
   [[nodiscard]] Workspace workspace() const;
 
-  /// Makes a step, with obstacles where they are at t_k. Allocates nothing, except within PETSc in VIs that
-  /// PETSc solves and with MUMPS. Collective. Throws UserError, SolverFailure.
+  /// Makes step k, with obstacles at their positions of time t_k. Allocates nothing, except within PETSc:
+  /// with MUMPS, and with contact as one inequality in all unknowns (solver.vi). Collective. Throws
+  /// UserError, SolverFailure.
   void step(const StepInput& in, const StepOutput& out, Workspace& work) const;
 
-  /// The step linearised on the active set of `contact` (docs/method.md section 4). Collective.
+  /// Makes a linearised step on the active set of `contact`, the contact of that step (docs/method.md section
+  /// 4). Collective.
   void linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                        Workspace& work) const;
 
-  /// The one-sided derivative of the step: as linearised_step(), but weakly active candidates may open, x·ν ≤
-  /// 0 there in place of 0 (docs/method.md section 4). On return the active set of `contact` is the set C
-  /// that stays closed, on which linearised_step() gives the same. Collective. Throws SolverFailure.
+  /// Makes a one-sided linearised step: weakly active candidates may open, so that δy·ν ≤ 0 replaces δy·ν = 0
+  /// there (docs/method.md section 4). On return the active set of `contact` is the set C of candidates that
+  /// stay closed; linearised_step() on C gives the same result. Collective. Throws SolverFailure.
   void one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
                       Workspace& work) const;
 
-  /// The transpose of linearised_step (4.40)–(4.41), by the formula at Scheme: p_k, and ω_k with M ω_k the
-  /// derivative by v_k of the part of J after t_k. Both are zero at k = N + 1. The dual of step k's nodal
-  /// force is Scheme::impulse() p_k. Returns the jump of s_{k+1}, null without one. Collective.
+  /// Makes a transposed step (4.40)–(4.41) by the formula at Scheme: computes p_k and ω_k in step.state. M
+  /// ω_k is the derivative by v_k of the part of J after t_k; p and ω are zero at k = N + 1. The derivative
+  /// of J by step k's nodal force is Scheme::impulse() p_k. Returns the jump of s_{k+1} = p_{k+1} − rate()
+  /// ω_{k+1}, null without a jump. Collective.
   Vec adjoint_step(const AdjointStep& step, Workspace& work) const;
 
-  /// Ends the transpose, with `step` for k = 0: sets ω_0 and, in place of p_0, the derivative of J by y_0, a
-  /// functional on the free dofs. Returns the jump of s_1, null without one. Collective.
+  /// Ends a backward sweep, with `step` for k = 0. Sets ω_0 and stores in step.state.p, in place of p_0, the
+  /// derivative of J by y_0, a functional on the free dofs. Returns the jump of s_1, null without a jump.
+  /// Collective.
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
-  /// Removes the mass from contact nodes, and sets redistributed_mass_.
+  /// Moves the mass of massless contact nodes to other nodes, and sets redistributed_mass_.
   void move_mass(const scene::Scene& scene);
-  /// Sets work.r = R x + a M z + b source on the free dofs, zero on the clamped ones; for steps and adjoints.
+  /// Sets work.r = R x + a M z + b source on the free dofs and zero on the clamped ones, for steps and
+  /// transposed steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
-  /// Sets work.r of a linearised step; returns the predictor's jump, null without one.
+  /// Sets work.r for a linearised step. Returns the predictor's jump, null without a jump.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
-  /// The contact solver of a length, its scratch reset if that was of another; null without contact.
+  /// Returns the contact solver of a step length, null without contact. Resets its scratch in `work` if that
+  /// was used for another length.
   const contact::ContactStepSolver* contact_solver(const StepOperators::PerStepLength& with,
                                                    Workspace& work) const;
   enum class Direction { linearised, transposed };
-  /// Solves a linearised or transposed step for work.r on the active set of `contact`, with `value` and
-  /// `multipliers` as in contact::LinearisedContact.
+  /// Solves a linearised or transposed step with the right-hand side work.r on the active set of `contact`.
+  /// `value` and `multipliers`: as in contact::LinearisedContact.
   void solve_on_active_set(double tau, Direction direction, const contact::ContactLinearisation& contact,
                            std::span<const double> value, Vec x, std::span<double> multipliers,
                            Workspace& work) const;
-  /// Sets ω_k of an adjoint step from ω_{k+1}, and work.r = R p_{k+1} + M (rate ω_k − rate_{k+1} ω_{k+1} + j)
-  /// + ∂J/∂y_k, without the terms of step k + 1 at N. Returns the jump of s_{k+1}, null without one.
+  /// Computes ω_k of a transposed step from ω_{k+1}, and sets work.r = R p_{k+1} + M (rate ω_k − rate_{k+1}
+  /// ω_{k+1} + j) + ∂J/∂y_k; for k = N only ∂J/∂y_N. `rate`: 2/τ_k, or 0 for k = 0. Returns the jump of
+  /// s_{k+1}, null without a jump.
   Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;
-  /// Solves a linearised step whose weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S,
-  /// p·ν ≤ 0 on W. The set that stays closed becomes the active one.
+  /// Solves a linearised step with right-hand side r = work.r whose weakly active candidates W may open: min
+  /// ½ p·Dp − r·p over p·ν = 0 on the strongly active set S, p·ν ≤ 0 on W. The set that stays closed becomes
+  /// the active set of `contact`.
   void solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
                        Workspace& work) const;
 
@@ -227,8 +243,8 @@ private:
   fem::DirichletDofs clamped_;
   std::optional<MovingClamps> motion_;
   std::optional<contact::ContactPairs> pairs_;
-  petsc::Matrix redistributed_mass_;                 ///< symmetric half; null unless contact takes mass
-  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< the body's and the redistributed one, in blocks
+  petsc::Matrix redistributed_mass_; ///< symmetric half of EᵀME; null unless contact is massless
+  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< mass matrix of the body, and EᵀME, in blocks
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;
 };

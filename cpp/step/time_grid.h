@@ -9,93 +9,97 @@
 
 namespace signorini::step {
 
-/// The lengths that steps of varying length may have: τ_max 2^−j, j = 0 … levels. The motion is a whole
-/// number of the longest steps. A step of a length begins at a multiple of it, so that all motions end at
-/// the same time, to the last bit, and no other lengths ever occur.
+/// Lengths that automatic steps may have: τ_max 2^−j at the levels j = 0 … levels. The motion is a whole
+/// number of steps of length τ_max. A step begins at a multiple of its own length; all motions thus end at
+/// the same time, to the last bit.
 struct StepLengths {
   double end;  ///< end of the motion, s
-  int longest; ///< number of longest steps in the motion
-  int levels;
+  int longest; ///< number of steps of length τ_max in the motion
+  int levels;  ///< level of the shortest steps
 
-  /// Makes the lengths of a scene with varying steps. The shortest is the longest that is no longer than
-  /// `floor` (s); with time.shortest it is no shorter than that.
+  /// Creates the lengths for a scene with automatic steps. Levels end with the first length of at most
+  /// `floor` (s), with level 40, or before a length falls below time.shortest.
   StepLengths(const scene::Time& time, double floor);
+  /// Creates the lengths to / longest_steps · 2^−j, j = 0 … halvings, of a motion that ends at `to` (s).
   StepLengths(double to, int longest_steps, int halvings)
       : end(to), longest(longest_steps), levels(halvings) {}
 
-  /// τ_max 2^−level, s.
+  /// Returns the step length of a level, τ_max 2^−level, s.
   [[nodiscard]] double length(int level) const { return end / longest / static_cast<double>(parts(level)); }
-  /// The length of the longest, the shortest steps, s.
+  /// Returns the longest step length τ_max, s.
   [[nodiscard]] double longest_step() const { return length(0); }
+  /// Returns the shortest step length, s.
   [[nodiscard]] double shortest_step() const { return length(levels); }
-  /// The level of a step of these lengths.
+  /// Returns the level of the step length `tau` (s).
   [[nodiscard]] int level(double tau) const;
-  /// 2^level.
+  /// Returns 2^level, the number of steps of a level in a longest step.
   [[nodiscard]] static std::int64_t parts(int level) { return std::int64_t(1) << level; }
-  /// The end in units of the shortest length.
+  /// Returns the end of the motion in units of the shortest step length.
   [[nodiscard]] std::int64_t ticks() const { return longest * parts(levels); }
 };
 
-/// Step k of a motion, from t_{k−1} to t_k. k = 0 is the initial state, to which no step leads: t_0 alone,
-/// with the length of a first step.
+/// Step k of a motion, from t_{k−1} to t_k. k = 0 stands for the initial state, to which no step leads: its
+/// begin and end are t_0, its tau is the length of a first step.
 struct TimeStep {
   int k = 0;
   double begin = 0, end = 0; ///< t_{k−1} and t_k, s
-  double tau = 0;            ///< τ_k, s; end − begin but for rounding
+  double tau = 0;            ///< τ_k, s; for k > 0 end − begin up to rounding
 
   [[nodiscard]] Scheme scheme() const { return {tau}; }
 };
 
-/// The times of a motion's steps, t_0 = 0, t_k = t_{k−1} + τ_k: N equal ones, or some of a set of lengths.
-/// Never changes; copies are cheap.
+/// Times of a motion's steps, t_0 = 0, t_k = t_{k−1} + τ_k, with N equal steps or with automatic steps of
+/// StepLengths. Immutable; copies are cheap.
 class TimeGrid {
 public:
-  /// N steps of length `tau`.
+  /// Creates a grid of N = `steps` equal steps of length `tau` (s).
   TimeGrid(double tau, int steps);
-  /// No steps: their lengths are still to be chosen from a set of lengths.
+  /// Creates a grid without steps, whose lengths are still to be chosen from `step_lengths`.
   explicit TimeGrid(const StepLengths& step_lengths);
-  /// The grid of a scene: all steps, or none where their lengths vary.
+  /// Creates the grid of a scene: all steps if they are equal, none yet if they are automatic.
   explicit TimeGrid(const scene::Time& time);
-  /// Makes steps of a set of lengths from their levels, as levels() returns them; nothing unless they make up
-  /// the motion.
+  /// Creates a grid of automatic steps from their levels, as levels() returns them. Returns nothing if these
+  /// steps do not make up the motion.
   [[nodiscard]] static std::optional<TimeGrid> of_levels(const StepLengths& step_lengths,
                                                          const std::vector<double>& levels);
 
-  /// The first steps alone, N or fewer.
+  /// Returns the grid of the first `steps` steps alone, at most N.
   [[nodiscard]] TimeGrid first(int steps) const;
 
-  /// N; the number of steps made, if the motion was interrupted while its steps were chosen.
+  /// Returns the number of steps N; if a motion was interrupted while its steps were chosen, the number made.
   [[nodiscard]] int steps() const;
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const;
-  /// Whether all steps have the same length, as the scene says.
+  /// Returns whether all steps have the length time.step.
   [[nodiscard]] bool equal() const { return !steps_->step_lengths; }
 
+  /// Returns t_k, s.
   [[nodiscard]] double time(int k) const;
-  /// τ_k, k = 1 … N; for k = 0, where states have no step that led to them, τ_1.
+  /// Returns the step length τ_k, s, k = 1 … N. For k = 0, the initial state, it is τ_1.
   [[nodiscard]] double length(int k) const;
   [[nodiscard]] TimeStep step(int k) const { return {k, time(k > 0 ? k - 1 : 0), time(k), length(k)}; }
   [[nodiscard]] Scheme scheme(int k) const { return {length(k)}; }
-  /// The middle of step k.
+  /// Returns the middle of step k, s.
   [[nodiscard]] double middle(int k) const;
-  /// The last time, of the motion.
+  /// Returns the last time of the motion, s.
   [[nodiscard]] double end() const;
-  /// Position of a time from 0 to the end in the grid: step k and the part of it, t = t_{k−1} + part τ_k. A
-  /// time between two steps belongs to the former, 0 to the first.
+  /// Position of a time t in the grid: t = t_{k−1} + part τ_k. A time at which two steps meet belongs to the
+  /// earlier step, t = 0 to the first step.
   struct Place {
     int k;
-    double part; ///< 0 … 1
+    double part; ///< fraction of step k, 0 … 1
   };
+  /// Returns the position of time `t` (s), from 0 to end().
   [[nodiscard]] Place place(double t) const;
 
-  /// The levels of all steps on their lengths; none of equal ones.
+  /// Returns the levels of all steps in StepLengths, in the order of time; empty for equal steps.
   [[nodiscard]] std::vector<double> levels() const;
 
 private:
   friend class TimeGridBuilder;
   struct Steps {
-    double tick; ///< the length of which all others are multiples, s
-    int count;   ///< number of equal steps
+    double tick; ///< length of which all step lengths are multiples, s
+    int count;   ///< number of steps, if they are equal
     std::optional<StepLengths> step_lengths;
     std::vector<std::int64_t> ticks; ///< t_k in units of the shortest length
   };
@@ -104,7 +108,7 @@ private:
   std::shared_ptr<const Steps> steps_;
 };
 
-/// Makes a TimeGrid of such lengths step by step, while a motion is made.
+/// Builds a TimeGrid of automatic steps, step by step, while a motion is integrated.
 class TimeGridBuilder {
 public:
   explicit TimeGridBuilder(const StepLengths& step_lengths) : step_lengths_(step_lengths), ticks_{0} {}
@@ -113,15 +117,15 @@ public:
   [[nodiscard]] int steps() const { return static_cast<int>(ticks_.size()) - 1; }
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const { return ticks_.back() == step_lengths_.ticks(); }
-  /// The least level that a step after the last one may have: the time reached is a multiple of its length,
-  /// and of no longer one.
+  /// Returns the least level that the next step may have, so that it begins at a multiple of its length.
   [[nodiscard]] int least_level() const;
-  /// Adds a step, and returns it.
+  /// Appends a step of this level and returns it.
   TimeStep add(int level);
   /// Removes the last step.
   void remove() { ticks_.pop_back(); }
+  /// Removes all steps.
   void clear() { ticks_.resize(1); }
-  /// The steps so far.
+  /// Returns the grid of the steps so far.
   [[nodiscard]] TimeGrid grid() const;
 
 private:

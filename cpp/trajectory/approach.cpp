@@ -14,7 +14,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// The fields by which an obstacle moves.
+/// Returns the time-dependent fields that define an obstacle: its point, radius or distance.
 std::vector<scene::Field> fields_of(const scene::Obstacle& obstacle) {
   std::vector<scene::Field> fields;
   const auto add = [&](const scene::Components& components) {
@@ -149,7 +149,8 @@ bool Approach::smooth(double from, double to, double deep, double part) const {
 
 namespace {
 
-/// The rigid motion of all candidates along ν (m each): position, velocity and acceleration at one time.
+/// Rigid motion of all candidates along their normals ν at one time: displacement (m), velocity (m/s) and
+/// acceleration (m/s²).
 class RigidFlight {
 public:
   RigidFlight(const step::Stepper& stepper, const scene::Scene& scene, int intervals)
@@ -169,7 +170,7 @@ public:
       sum_.emplace(stepper.space(), *load_);
   }
 
-  /// Sets the mean acceleration over an interval, 1 … intervals.
+  /// Sets the mean acceleration in interval number `interval`, 1 … intervals.
   void accelerate(int interval) {
     if (!load_ || (interval > 1 && !load_->depends_on_time()))
       return;
@@ -183,7 +184,7 @@ public:
     }
   }
 
-  /// Whether a rigid motion that the clamps allow moves the candidate along ν.
+  /// Returns whether a rigid motion that the clamps permit moves candidate i along ν.
   [[nodiscard]] bool flies(std::size_t i) const {
     return std::ranges::any_of(motions_, [i](const std::vector<double>& one) { return one[i] != 0; });
   }
@@ -272,15 +273,15 @@ std::vector<std::string> first_touch_lines(const step::Stepper& stepper, const s
     const FirstTouch& one = all[o];
     std::string text = fmt::format("first touch of \"{}\": ", scene.contacts[o].name);
     if (!one.flies)
-      text += fmt::format("by deformation alone, clamps hold the body; gap {:.4g} m", one.gap);
+      text += fmt::format("only by deformation, since clamps hold the body; gap {:.4g} m", one.gap);
     else if (one.time == 0)
       text += "at the start";
     else if (one.occurs())
       text += fmt::format("at {:.4g} s with {:.4g} m/s, by the rigid motion from a gap of {:.4g} m{}",
                           one.time, one.speed, one.gap, without);
     else
-      text += fmt::format("none before {:.4g} s by the rigid motion{}; gap {:.4g} m, at least {:.4g} m (at "
-                          "{:.4g} s)",
+      text += fmt::format("none before {:.4g} s by the rigid motion{}; gap {:.4g} m, smallest gap {:.4g} m "
+                          "(at {:.4g} s)",
                           stepper.end(), without, one.gap, one.nearest, one.nearest_time);
     lines.push_back(std::move(text));
   }

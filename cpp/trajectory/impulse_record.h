@@ -6,52 +6,55 @@
 
 namespace signorini::trajectory {
 
-/// Window over which a peak force is a mean, in units of the time that a wave takes through an element in
-/// contact.
+/// Length of the window for a sustained peak force, in units of the time in which a wave crosses an element
+/// in contact.
 constexpr double sustained = 4;
 
-/// A force over time, constant in each step, and figures of it that converge with the steps, which its values
-/// in single steps do not (docs/method.md section 8).
+/// Record of a force that is constant in each step. Its impulse and means converge as the steps become
+/// shorter; its values in single steps do not (docs/method.md section 8).
 class ImpulseRecord {
 public:
-  /// Adds a step that ends at `t` (s) with a force (N).
+  /// Appends a step that ends at time `t` (s), with its force (N).
   void add(double t, double force);
 
-  /// The impulse until a time, N s.
+  /// Returns the impulse until time `t` (s), N s.
   [[nodiscard]] double until(double t) const;
+  /// Returns the impulse of all steps, N s.
   [[nodiscard]] double total() const { return sums_.back(); }
-  /// The mean force between two times, N.
+  /// Returns the mean force between two times (s), N.
   [[nodiscard]] double mean(double from, double to) const { return (until(to) - until(from)) / (to - from); }
-  /// The times at which the impulse reaches the parts `from` and `to` of the whole; 0 and 0 without any.
+  /// Returns the times (s) at which the impulse reaches the fractions `from` and `to` of total(); (0, 0) if
+  /// total() is not positive.
   [[nodiscard]] std::pair<double, double> between(double from, double to) const;
-  /// The time in which the impulse grows from 1 to 99 % of the whole, s.
+  /// Returns the time in which the impulse grows from 1 to 99 % of total(), s.
   [[nodiscard]] double duration() const;
-  /// A mean force (N), the length of its window and the window's end (s).
+  /// Mean force over a time window (N), with the length and the end of the window (s).
   struct Mean {
     double force = 0, over = 0, end = 0;
   };
-  /// The largest mean over `window` (s), or over two steps where these take longer.
+  /// Returns the largest mean force over time windows of length `window` (s), or of two steps where these are
+  /// longer.
   [[nodiscard]] Mean largest_mean(double window) const;
-  /// The largest mean over `window`, compared with the largest ones over other windows. The excess of a
-  /// smooth force over its means grows as the square of the window. It is at most that of half a sine of the
-  /// impulse's duration, and at most a quarter of the excess of means over twice the window over those over
-  /// four times the window.
+  /// Comparison of the largest mean force F(w) over windows of length w with those over w/2, 2 w and 4 w. For
+  /// a smooth force, means over w fall below the peak by a term in w². The excess F(w)/F(2 w) − 1 is then at
+  /// most that of a half sine with the impulse's duration, and at most (F(2 w) − F(4 w))/(4 F(2 w)).
   struct Peak {
-    Mean mean;
-    double twice = 0;    ///< the largest mean force over twice mean.over, N
-    double excess = 0;   ///< excess of mean.force over `twice`, relative
-    double expected = 0; ///< the excess that a smooth force may have
-    bool smooth = false; ///< whether means over mean.over / 2 exceed it by at most (mean.force − twice)/2
+    Mean mean;           ///< F(w) with its window
+    double twice = 0;    ///< F(2 w), N
+    double excess = 0;   ///< F(w)/F(2 w) − 1
+    double expected = 0; ///< largest excess of a smooth force
+    bool smooth = false; ///< whether F(w/2) − F(w) is at most (F(w) − F(2 w))/2
   };
-  /// Compares the largest means of a record whose total() is not zero.
+  /// Returns the comparison of largest means for windows of length `window` (s). total() must not be zero.
   [[nodiscard]] Peak peak(double window) const;
 
-  /// Ends of steps, without those inside an interval free of force, s.
+  /// Returns the ends of steps after the initial 0, s, except for those inside an interval without force.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
 
 private:
-  std::vector<double> times_{0}, sums_{0}, lengths_{0}; ///< ends of steps, impulse until then, last step (s)
-  double end_ = 0;                                      ///< end of the last step added, s
+  /// Ends of steps (s), impulse until then (N s), length of the step (s).
+  std::vector<double> times_{0}, sums_{0}, lengths_{0};
+  double end_ = 0; ///< end of the last step added, s
 };
 
 } // namespace signorini::trajectory

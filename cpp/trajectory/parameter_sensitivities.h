@@ -5,20 +5,25 @@
 
 namespace signorini::trajectory {
 
-/// The derivatives of a motion by the unknowns of a scene, on its active sets (docs/method.md section 9): one
-/// linearised step for each unknown with every step that is made. All members collective.
+/// Derivatives of a motion by the unknowns of a scene, on the motion's active sets (docs/method.md section
+/// 9). Each step of the motion is followed by one linearised step for each unknown. All members are
+/// collective.
 class ParameterSensitivities {
 public:
-  /// The references must outlive this object.
+  /// Creates zero derivatives by the unknowns of `rates`. The references must outlive this object.
   ParameterSensitivities(const step::Stepper& stepper, step::ParameterRates& rates);
 
-  /// Takes the frame after the last one, from frame 0 on. Throws SolverFailure.
+  /// Computes the derivatives at the next frame; frames are passed in order, from frame 0 on. Throws
+  /// SolverFailure.
   void observe(const Frame& frame);
 
+  /// Number of unknowns.
   [[nodiscard]] std::size_t count() const { return motions_.size(); }
-  /// δy_k, δv_k, δλ_k (m), of the frame taken last, per unit of the unknown j.
+  /// Returns δy_k, the derivative of the displacement by unknown j, at the last frame.
   [[nodiscard]] Vec y(std::size_t j) const { return motions_[j].state.y(); }
+  /// Returns δv_k, the derivative of the velocity by unknown j, at the last frame.
   [[nodiscard]] Vec v(std::size_t j) const { return motions_[j].state.v(); }
+  /// Returns δλ_k (rows), the derivative of the multipliers (m) by unknown j, at the last frame.
   [[nodiscard]] std::span<const double> lambda(std::size_t j) const { return motions_[j].lambda; }
 
 private:

@@ -10,21 +10,25 @@ using petsc::check;
 
 namespace {
 
-/// Distance of stored displacements of a run of equal steps, in levels and in steps, and the number of steps
-/// after which longer ones are considered: once four displacements are stored.
+/// Distance of stored displacements in a run of equal steps, in levels and in steps. Number of equal steps
+/// after which longer ones are considered, since four displacements are then stored.
 constexpr int apart_levels = 2, apart = 1 << apart_levels, settled = 3 * apart;
-/// Levels by which steps grow in a flight without anything to resolve, and least number by which they shrink.
+/// Number of levels by which steps grow in a flight without vibration to resolve; least number of levels by
+/// which a rejected step shrinks.
 constexpr int flight_levels = 4, least_shortening = 2;
-/// Part of the limit that the predicted error of a longer step may reach.
+/// Fraction of the error limit that the predicted error of a longer step may reach.
 constexpr double caution = 0.5;
-/// Parts of the tolerance: of a load's impulse and of a clamp's motion that vary within a step, of the
-/// largest force.
+/// Fractions of the tolerance: for the variation of loads, obstacles and clamps within a step; for
+/// differences of mean forces, relative to the largest force.
 constexpr double of_load = 0.1, of_force = 0.5;
-/// Part of the rigid motion's size up to which a body counts as undeformed.
+/// Largest non-rigid part of an undeformed body's displacement, velocity or force, relative to the whole
+/// field.
 constexpr double undeformed = 0x1p-40;
-/// Limits beyond which vibration is ignored: steps of a flight, and their ratio to those of the last contact.
+/// Numbers of steps in a flight beyond which vibration is ignored: in all, and relative to the steps of the
+/// last contact. The larger one counts.
 constexpr int most_flight = 1000, most_of_contact = 10;
-/// Cost of a factorisation in steps: in the plane, in space, and of conjugate gradients.
+/// Cost of a new step length, in steps: of a factorisation in the plane, of one in space, with conjugate
+/// gradients.
 constexpr double price_in_plane = 40, price_in_space = 80, price_if_iterative = 10;
 
 } // namespace

@@ -11,19 +11,19 @@ using petsc::check;
 
 namespace {
 
-/// Relative error of displacements by rounding, as it shows in their third differences.
+/// Rounding error in the third difference of displacements, relative to a displacement.
 constexpr double rounding_of_y = 0x1p-50;
-/// The error of a trapezoidal step: τ³/12 of the third derivative.
+/// Divisor in the error of a trapezoidal step, τ³/12 times the third derivative.
 constexpr double trapezoidal = 12;
-/// Largest sum of errors in contact, in units of the tolerance.
+/// Largest sum of errors in contact without a warning, in units of the tolerance.
 constexpr double most_accumulated = 5;
-/// Part of the shortest step by which touches may differ as rounding turns a body.
+/// Largest shift of a touch by rotation from rounding without a warning, in units of the shortest step.
 constexpr double most_turned = 0.2;
-/// Weight of the shortest steps' errors in a flight between two touches; by trials.
+/// Weight of the shortest steps' errors in a flight between two touches, found by trials.
 constexpr double of_shortest = 0.2;
 
-/// Factors of values at times t, the newest first, in the distance of the newest from the line through the
-/// others.
+/// Returns the factors of three values at times t, the newest first, whose weighted sum is the distance of
+/// the newest value from the line through the others.
 std::array<double, 3> distance(const std::array<double, 3>& t) {
   return {1, -(t[0] - t[2]) / (t[1] - t[2]), -(t[0] - t[1]) / (t[2] - t[1])};
 }
@@ -337,24 +337,24 @@ std::vector<Warning> StepErrors::warnings() const {
   if (vibration_.error > tolerance_ * scale_)
     found.push_back(
         {"vibration",
-         fmt::format("when the body touched at t = {1:.6g} s it still vibrated by up to {0:.2g} of its "
-                     "largest deformation, which the steps did not resolve. Their errors add up to {2:.2g} "
-                     "of it; time.tolerance is {3:g}",
+         fmt::format("at the touch at t = {1:.6g} s the body still vibrated by up to {0:.2g} of its largest "
+                     "deformation, which the steps did not resolve. Step errors add up to {2:.2g} of the "
+                     "largest deformation; time.tolerance is {3:g}",
                      vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
          vibration_.error / scale_, tolerance_});
   if (const double most = most_turned * stepper_.step_lengths()->shortest_step() / stepper_.wave_time();
       drift_ > most)
     found.push_back({"rounding in flight",
-                     fmt::format("the body flies so long before it touches at t = {:.6g} s that rounding may "
+                     fmt::format("the body flies so long before the touch at t = {:.6g} s that rounding may "
                                  "turn it. It turns by {:.2g} of its motion while a wave crosses an element "
-                                 "(limit {:.2g}); let it begin nearer to the touch",
+                                 "(limit {:.2g}); start the motion nearer to the touch",
                                  begins_.front(), drift_, most),
                      drift_, most});
   if (const double sum = contact_error_ / scale_, most = most_accumulated * tolerance_; sum > most)
     found.push_back(
         {"accumulated error",
          fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, above 5 "
-                     "time.tolerance = {:g}: forces may be off; lower time.tolerance",
+                     "times time.tolerance = {:g}: forces may be wrong; lower time.tolerance",
                      sum, most),
          sum, most});
   if (const Contact& few = coarsest_contact(); few.impulse > tolerance_ * force_.total())
@@ -384,8 +384,8 @@ std::optional<Warning> StepErrors::peak_warning() const {
   return Warning{
       peak_of_the_mesh,
       fmt::format(
-          "the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that, so that "
-          "elements and steps decide the peak. Refine the mesh, lower time.tolerance, or compare impulses",
+          "the largest mean force is {:.4g} over {:.2g} s and {:.4g} over twice that time, so that the peak "
+          "depends on elements and steps. Refine the mesh, lower time.tolerance, or compare impulses",
           peak.mean.force, peak.mean.over, peak.twice),
       peak.excess, most};
 }

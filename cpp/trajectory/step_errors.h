@@ -10,61 +10,67 @@
 
 namespace signorini::trajectory {
 
-/// The kind of warnings that concern peaks of the force alone.
+/// Kind of the warning that the peak force depends on the mesh.
 constexpr const char* peak_of_the_mesh = "peak of the mesh";
 
-/// Local errors of a motion in steps of varying length, from its displacements and forces, and their scales
-/// (docs/method.md section 11). A uniform velocity of the body changes no figure.
+/// Estimates the local errors of a motion in automatic steps from its displacements and contact forces, and
+/// the scales of these errors (docs/method.md section 11). A uniform velocity of the body does not change the
+/// estimates.
 class StepErrors {
 public:
-  /// Collective. The references must outlive this object.
+  /// Prepares the estimates for the body and contact of `stepper`. Collective. The references must outlive
+  /// this object.
   StepErrors(const step::Stepper& stepper, const scene::Scene& scene);
 
-  /// Begins with the state at t_0. Collective.
+  /// Starts a motion from its displacement and velocity at t_0. Collective.
   void start(Vec y, Vec v);
 
   /// Error estimates of one step.
   struct Step {
-    double error = 0;     ///< e: displacement, m, or √energy; less the part that rounding may have caused
-    double bend = 0;      ///< |δ²F̄|/6 of the means of the normal force over two steps, N
-    bool touches = false; ///< whether it touches an obstacle that had no contact before
+    double error = 0;     ///< e, in the unit of scale(), less the part that rounding may cause
+    double bend = 0;      ///< |second difference|/6 of the normal force's means over two steps, N
+    bool touches = false; ///< whether the step touches an obstacle that was not in contact before
   };
-  /// Judges the step after the last accepted one. Collective.
+  /// Estimates the errors of the step after the last accepted one. Collective.
   Step judge(const Frame& frame);
-  /// Takes the step that was judged last. Collective.
+  /// Accepts the step that was judged last. Collective.
   void accept(const Frame& frame);
 
-  /// Judges and takes a frame, from frame 0 on, of a motion whose steps were chosen before. Collective.
+  /// Judges and accepts the next frame of a motion whose steps are given; frames are passed in order, from
+  /// frame 0 on. Collective.
   void observe(const Frame& frame);
 
-  /// Replaces the mean velocities of the last two steps by those between three displacements, the last of
-  /// time `t` (s), `apart` (s) from each other. Longer steps are then judged by means over times of their
-  /// own length.
+  /// Replaces the mean velocities of the last two steps by those between three displacements, which are
+  /// `apart` (s) from each other, the last one at time `t` (s). A following longer step is then judged by
+  /// means over times of its own length.
   void coarsen(double t, double apart, Vec last, Vec before, Vec first);
 
-  /// D, the scale of errors: the largest deformation so far, of candidates along ν, m. Without candidates it
-  /// is the root mean square; with time.quantity = "energy" the root of the elastic energy.
+  /// Returns D, the scale of errors: the largest deformation of candidates along ν so far, m. Without
+  /// candidates it is the largest root mean square of the deformation, m. With time.quantity = "energy" it is
+  /// the root of twice the largest elastic energy, √J.
   [[nodiscard]] double scale() const { return scale_; }
-  /// e from the third difference of displacements at equal distances in time, for steps of that length.
-  /// Collective.
+  /// Returns the error e of steps whose length is the time between four equally spaced displacements, from
+  /// their third difference. `y`: a displacement, for the size of rounding. Collective.
   double error_of(Vec third_difference, Vec y);
-  /// Whether the last accepted step was in contact: no more than two open ones follow a closed one.
+  /// Returns whether contact lasts in the last accepted step: at most two steps without an active candidate
+  /// follow the last step with one.
   [[nodiscard]] bool contact() const { return contact_.lasts; }
-  /// Whether the last accepted step was in contact with one obstacle.
+  /// Returns whether contact with an obstacle lasts in the last accepted step, with pauses of at most two
+  /// steps.
   [[nodiscard]] bool contact(std::size_t obstacle) const { return open_[obstacle] < ended; }
 
-  /// A period of contact: the present one or, without one, the last.
+  /// A period of contact: the present one or, if no contact lasts, the last one.
   struct Contact {
     bool lasts = false;
-    double begin = 0, end = 0; ///< s; end of the last closed step
-    int steps = 0;             ///< number of closed steps
+    double begin = 0, end = 0; ///< begin of the first, end of the last step with an active candidate, s
+    int steps = 0;             ///< number of steps with an active candidate
     double impulse = 0;        ///< N s
-    double largest_force = 0;  ///< the largest mean over two steps, N
+    double largest_force = 0;  ///< largest mean of the normal force over two steps, N
   };
   [[nodiscard]] const Contact& last_contact() const { return contact_; }
   [[nodiscard]] const ImpulseRecord& force() const { return force_; }
 
-  /// The rigid part of the motion: coefficients in rigid(), their velocities and accelerations.
+  /// Rigid part of the motion: coefficients in the basis rigid(), their velocities and their accelerations.
   struct RigidState {
     std::vector<double> position, velocity, acceleration;
   };
@@ -73,52 +79,56 @@ public:
   void set_acceleration(std::vector<double> acceleration) {
     rigid_state_.acceleration = std::move(acceleration);
   }
-  /// ν_i·(rigid motions) (m × count).
+  /// Returns the products of the candidates' normals ν_i with the rigid motions in rigid() (candidates ×
+  /// rigid motions).
   [[nodiscard]] const std::vector<double>& normal_motions() const { return normal_; }
-  /// R: the largest deformation along ν of an obstacle's candidates since its last contact ended, m, and the
-  /// largest of its rates, m/s.
+  /// Returns R, the largest deformation along ν of an obstacle's candidates since its last contact ended, m.
   [[nodiscard]] double reach(std::size_t obstacle) const { return reach_[obstacle]; }
+  /// Returns the largest rate of deformation along ν of an obstacle's candidates since its last contact
+  /// ended, m/s.
   [[nodiscard]] double swing(std::size_t obstacle) const { return swing_[obstacle]; }
-  /// Gaps after the last accepted step (m).
+  /// Returns the candidates' gaps after the last accepted step, m.
   [[nodiscard]] const std::vector<double>& gaps() const { return gaps_; }
-  /// The time in which the first gap closes at its present rate, s.
+  /// Returns the least time in which a gap closes at its rate in the last step, s; infinite if no gap closes.
   [[nodiscard]] double closing() const;
-  /// Root mean square of a field, weighted by mass.
+  /// Returns the root mean square of a field over the body, weighted by mass. Collective.
   [[nodiscard]] double size(Vec x);
-  /// Error, as root mean square over time, if the phases of the vibration since contact ended are lost;
-  /// infinite before waves have crossed the body.
+  /// Returns the error (root mean square over time, in the unit of scale()) of a vibration whose phase since
+  /// the end of contact is lost. Infinite until waves have crossed the body.
   [[nodiscard]] double without_phases() const;
 
-  /// Warnings of a motion that the steps did not resolve, for its end.
+  /// Returns warnings of effects that the steps did not resolve, at the end of a motion.
   [[nodiscard]] std::vector<Warning> warnings() const;
 
 private:
-  static constexpr int ended = 3; ///< open steps after which contact is over
+  static constexpr int ended = 3; ///< number of steps without active candidates that ends contact
   static constexpr int few_steps = 10;
   struct Mean {
-    petsc::Vector w;
-    double middle = 0; ///< s
+    petsc::Vector w;   ///< mean velocity over a step
+    double middle = 0; ///< middle of the step, s
   };
   [[nodiscard]] double norm(Vec x);
   [[nodiscard]] double relative_rounding() const;
   [[nodiscard]] double rounding(Vec y);
   void set_mean(const Frame& frame);
   [[nodiscard]] double error_of(const Frame& frame, bool abrupt);
-  /// Whether a candidate that is open before and after the step was closed in between, by the parabola
-  /// through three gaps.
+  /// Returns whether a candidate that is open before and after the step was closed in between, by the
+  /// parabola through its last three gaps.
   [[nodiscard]] bool passes(const Frame& frame) const;
   void take_rigid(const Frame& frame);
   void take_deformation(const Frame& frame);
   void take_contact(const Frame& frame);
-  /// The one of coarsest_ and contact_ with the larger impulse, contact_ only if of few steps.
+  /// Returns the contact of few steps with the largest impulse: coarsest_, or contact_ if that is one of few
+  /// steps.
   [[nodiscard]] const Contact& coarsest_contact() const {
     const bool coarser =
         contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse;
     return coarser ? contact_ : coarsest_;
   }
-  /// Estimates drift_, at the first touch.
+  /// Sets drift_ at the first touch.
   void judge_flight(const Frame& frame);
-  /// Warning if the largest force is that of a single wave, which depends on the mesh and the steps.
+  /// Returns a warning if the largest force is that of a single wave, which depends on the mesh and the
+  /// steps.
   [[nodiscard]] std::optional<Warning> peak_warning() const;
 
   const step::Stepper& stepper_;
@@ -126,37 +136,40 @@ private:
   scene::StepQuantity quantity_;
   double crossing_; ///< time in which a wave crosses the body, s
   fem::RigidMotions rigid_;
-  petsc::Vector weights_; ///< lumped masses over the mass
+  petsc::Vector weights_; ///< lumped masses divided by the body's mass
   double trace_ = 0;      ///< trace of A
   petsc::Vector difference_, work_;
-  std::array<Mean, 3> means_; ///< means over the step judged and the accepted ones before, latest first
-  int known_ = 0;             ///< number of accepted steps among them
-  double error_ = 0;          ///< error of the step judged, as it counts in a flight
+  /// Mean velocities over the step judged and the two before it, the latest first.
+  std::array<Mean, 3> means_;
+  int known_ = 0;    ///< number of entries of means_ that precede the step judged
+  double error_ = 0; ///< error of the step judged, with its weight in a flight
   std::optional<contact::ContactPairs::Gaps> psi_;
   std::vector<double> normal_;
   RigidState rigid_state_;
-  std::vector<double> gaps_, gaps_before_; ///< after the last two accepted steps (m)
-  std::vector<int> open_;                  ///< steps since the last closed one, by obstacle
-  std::vector<double> reach_, swing_;      ///< deformation along ν and its rate, by obstacle
+  std::vector<double> gaps_, gaps_before_; ///< gaps after the last and the next-to-last accepted step, m
+  std::vector<int> open_;                  ///< number of steps since the last one in contact, by obstacle
+  std::vector<double> reach_, swing_;      ///< largest deformation along ν, m, and its rate, m/s, by obstacle
   std::vector<double> deformed_;           ///< deformation along ν, after the last accepted step (m)
   double scale_ = 0;
   struct Flight {
-    double time = 0, squares = 0, error = 0; ///< s; ∫ ‖deformation‖² dt; Σ e
+    double time = 0, squares = 0, error = 0; ///< duration, s; ∫ ‖deformation‖² dt; Σ e
   } flight_;
-  contact::ActiveSet active_; ///< after the last accepted step
+  contact::ActiveSet active_; ///< active set of the last accepted step
   ImpulseRecord force_;
   double force_of_two_ = 0;                 ///< mean normal force over the step judged and the one before, N
   std::array<double, 2> forces_of_two_{};   ///< means over two accepted steps, the latest first, N
-  double last_force_ = 0, last_length_ = 0; ///< normal force and length of the last accepted step
+  double last_force_ = 0, last_length_ = 0; ///< normal force, N, and length, s, of the last accepted step
   Contact contact_;
   // for warnings():
-  double contact_error_ = 0; ///< Σ e of longer steps in contact
+  double contact_error_ = 0; ///< Σ e of steps in contact that are longer than the shortest
   struct Vibration {
-    double time = 0, amplitude = 0, error = 0; ///< time of a touch, s; vibration until then
+    double time = 0, amplitude = 0, error = 0; ///< time of a touch, s; of the vibration before it
   } vibration_;
-  double drift_ = 0;           ///< rotation by rounding, before the first touch; relative
+  /// Motion at the first touch from rotation by rounding, relative to the approach while a wave crosses an
+  /// element.
+  double drift_ = 0;
   Contact coarsest_;           ///< contact of few steps with the largest impulse
-  std::vector<double> begins_; ///< begins of contact, s
+  std::vector<double> begins_; ///< times at which contact began, s
   double first_long_ = 0;      ///< begin of the first step in contact that is longer than the shortest, s
 };
 

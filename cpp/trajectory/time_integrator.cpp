@@ -101,9 +101,9 @@ void TimeIntegrator::take_back() {
 
 namespace {
 
-/// Sets the clamped entries of a field to their prescribed values `held`. They must agree up to `rounding`,
-/// relative to the largest of `scale` and the sizes of both; throws UserError naming `key` if not. Returns
-/// the field as it was.
+/// Sets the clamped entries of the field `x` to their prescribed values `held`, and returns `x` as it was
+/// before. Throws UserError naming `key` if entries differ by more than `rounding` times the largest of
+/// `scale` and the maximum norms of `x` and `held`.
 petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double rounding, double scale,
                            const char* key) {
   petsc::Vector whole = petsc::copy(x);
@@ -116,7 +116,8 @@ petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double
   check(VecNorm(difference, NORM_INFINITY, &moved));
   if (moved > rounding * std::max({size, held_size, scale}))
     throw UserError(
-        fmt::format("{}: found a difference of {:.4g} to what the clamps prescribe at t = 0; make them equal",
+        fmt::format("{}: found values that differ by {:.4g} from those that the clamps prescribe at t = 0; "
+                    "make them equal",
                     key, moved));
   check(VecAXPY(x, 1, held));
   return whole;
@@ -163,7 +164,7 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
 
 namespace {
 
-/// Sets the gaps of the initial state at the begin of a motion, since no step has computed them yet.
+/// Sets the gaps of the initial state in `contact`, since no step has computed them.
 void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState& contact) {
   if (const contact::ContactPairs* pairs = stepper.pairs())
     pairs->rows().gap(pairs->psi(), y, contact.gap);
@@ -191,7 +192,7 @@ int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, Tim
 
 namespace {
 
-/// A motion that stores its last two states and the contact of its last two steps.
+/// Integration that stores only the last two states and the contact of the last two steps.
 struct Rolling {
   Rolling(const step::Stepper& stepper, const step::State& initial, const step::ForceAtStep& load)
       : work(stepper.workspace()), two{stepper.contact_state(), stepper.contact_state()},

@@ -35,7 +35,7 @@ private:
   std::vector<step::State> states_;
 };
 
-/// Stores every state in files of the ranks, one for each part, and the one read last in memory.
+/// Stores every state in files, one for each rank and part of a state, and the state read last in memory.
 class StateStoreFactory::OnDisk final : public StateStore {
 public:
   OnDisk(const step::Stepper& stepper, int steps, std::size_t parts, Timers& timers)
@@ -70,14 +70,14 @@ private:
   int held_ = -1;
 };
 
-/// Checkpoints of one motion at a time.
+/// Pool of checkpoints, which belong to one motion at a time.
 struct StateStoreFactory::Pool {
   std::size_t room; ///< largest number of checkpoints
   std::vector<std::unique_ptr<Checkpoint>> free;
-  std::vector<std::unique_ptr<Checkpoint>> used; ///< ascending
+  std::vector<std::unique_ptr<Checkpoint>> used; ///< checkpoints in use, in the order of k
   const void* owner = nullptr;
 
-  /// Frees the checkpoints beyond t_k.
+  /// Frees the checkpoints later than t_k.
   void release_beyond(int k) {
     for (; !used.empty() && used.back()->k > k; used.pop_back())
       free.push_back(std::move(used.back()));
@@ -139,7 +139,8 @@ private:
       pool_->release_beyond(0);
   }
 
-  /// Makes a checkpoint of the integrator's state if one is due for the steps to t_last and back.
+  /// Makes a checkpoint of the integrator's state if binomial checkpointing places one here, for the steps up
+  /// to number `last` and their reversal.
   void place(int last) {
     const int here = integrator_.now().k, from = pool_->used.empty() ? 0 : pool_->used.back()->k,
               slots = static_cast<int>(pool_->room - pool_->used.size());
@@ -162,10 +163,11 @@ StateStoreFactory::StateStoreFactory(const step::Stepper& stepper, const step::T
     return;
   const double one = Checkpoint::bytes(stepper), room = share * scene.budget / one;
   if (room < 1)
-    throw UserError(fmt::format("trajectory.budget: found {:.6g} bytes; expected at least {:.6g}, since a "
-                                "checkpoint takes {:.3g} MB, and {}",
-                                scene.budget, std::ceil(one / share), one * 1e-6,
-                                share < 1 ? "the desired motion needs one of its own" : "there must be one"));
+    throw UserError(
+        fmt::format("trajectory.budget: found {:.6g} bytes; expected at least {:.6g} bytes, "
+                    "since a checkpoint takes {:.3g} MB and {}",
+                    scene.budget, std::ceil(one / share), one * 1e-6,
+                    share < 1 ? "the desired motion needs its own checkpoint" : "at least one is needed"));
   pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(grid.steps() - 1.0, 0.0))));
 }
 
@@ -185,8 +187,9 @@ double StateStoreFactory::bytes(bool whole) const {
 
 namespace {
 
-/// The longest motion that can be reversed with s slots and no step made more than r times: C(s + r + 1, r) −
-/// 1, or some number larger than any number of steps.
+/// Returns the number of steps of the longest motion that can be reversed with s = `slots` and no step made
+/// more than r = `repeats` times: C(s + r + 1, r) − 1. Numbers above 1e9, more than any motion has, are not
+/// exact.
 long reach(int slots, int repeats) {
   constexpr long enough = 1'000'000'000;
   long binomial = 1;

@@ -14,13 +14,13 @@ namespace signorini::python {
 Scene::Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
     : file_(alone([&] { return app::read_scene(MPI_COMM_WORLD, file, overrides); })) {}
 
-std::shared_ptr<const problem::Discretisation> Scene::discretisation() {
+std::shared_ptr<const problem::SpaceDiscretisation> Scene::discretisation() {
   if (scene().mesh.automatic())
     throw UserError("mesh.size: found \"auto\", which simulate and optimize of the program choose; give a "
                     "size in m, such as {\"mesh.size\": 0.1}");
   if (!discretisation_) {
     Timers timers;
-    discretisation_ = std::make_shared<const problem::Discretisation>(MPI_COMM_WORLD, scene(), timers);
+    discretisation_ = std::make_shared<const problem::SpaceDiscretisation>(MPI_COMM_WORLD, scene(), timers);
   }
   return discretisation_;
 }

@@ -17,13 +17,13 @@ public:
   [[nodiscard]] const app::SceneFile& file() const { return file_; }
   [[nodiscard]] const scene::Scene& scene() const { return file_.scene; }
   /// Mesh and spaces, made by the first call, which is collective. Throws UserError, Interrupted.
-  std::shared_ptr<const problem::Discretisation> discretisation();
+  std::shared_ptr<const problem::SpaceDiscretisation> discretisation();
   /// Scene as TOML with every default. Collective the first time. Throws UserError, Interrupted.
   std::string text();
 
 private:
   app::SceneFile file_;
-  std::shared_ptr<const problem::Discretisation> discretisation_;
+  std::shared_ptr<const problem::SpaceDiscretisation> discretisation_;
 };
 
 } // namespace signorini::python

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Fit:
-    """Residuals r(θ) of a scene's measurements by its unknowns θ, for scipy.optimize.least_squares and the like.
+    """Residuals r(θ) of a scene's measurements as a function of its unknowns θ, for scipy.optimize.least_squares and similar functions.
 
     θ has the unknowns' values in the scene's units and order. Arrays are whole, and the same on every rank; arrays that are
     attributes are read-only. Results at the last θ are cached: the Jacobian after the residuals computes no motion. Members
@@ -41,17 +41,17 @@ class Fit:
 
     @cached_property
     def lower(self) -> np.ndarray:
-        """Lower bounds; where the scene gives none, the natural limits of the unknowns. (n)"""
+        """Lower bounds of the unknowns; physical limits, such as 0 for a density, where the scene gives no bounds. (n)"""
         return fixed(self._problem.lower())
 
     @cached_property
     def upper(self) -> np.ndarray:
-        """Upper bounds; where the scene gives none, the natural limits of the unknowns. (n)"""
+        """Upper bounds of the unknowns; physical limits, such as 0.5 for Poisson's ratio, where the scene gives no bounds. (n)"""
         return fixed(self._problem.upper())
 
     @cached_property
     def measurements(self) -> dict[str, slice]:
-        """Entries of the arrays below that belong to each measurement, by its name."""
+        """Slice of each measurement, by its name, in the arrays times, measured, deviations and simulated()."""
         found, first = {}, 0
         for name, count in self._problem.measurements():
             if count:
@@ -80,7 +80,7 @@ class Fit:
         return self._problem.residuals(np.asarray(theta, dtype=float))
 
     def jacobian(self, theta: ArrayLike) -> np.ndarray:
-        """Returns the derivatives of residuals() by θ. (m × n)"""
+        """Returns the Jacobian matrix of residuals() with respect to θ. (m × n)"""
         return self._problem.jacobian(np.asarray(theta, dtype=float)).T
 
     def simulated(self, theta: ArrayLike) -> np.ndarray:
@@ -89,5 +89,5 @@ class Fit:
 
     @property
     def sweeps(self) -> int:
-        """Number of motions computed so far, linearised ones included."""
+        """Number of motions computed so far, including linearised ones."""
         return self._problem.sweeps()

@@ -28,28 +28,28 @@ if TYPE_CHECKING:
 
 
 def fixed(values: np.ndarray | None) -> np.ndarray | None:
-    """Returns the values read-only, since their object computes with them."""
+    """Returns the array, made read-only, since the solver computes with its memory; None for None."""
     if values is not None:
         values.flags.writeable = False
     return values
 
 
 def shaped(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Returns the values. Raises ValueError if they have another shape."""
+    """Returns the array unchanged. Raises ValueError if its shape differs from `shape`."""
     if np.shape(values) != shape:
         raise ValueError(f"found an array of shape {np.shape(values)}, but this is {shape}")
     return values
 
 
 class Sweeps(NamedTuple):
-    """Numbers of sweeps so far; a linearised one counts as forward."""
+    """Numbers of sweeps so far; a linearised sweep counts as a forward sweep."""
 
     forward: int
     adjoint: int
 
 
 class Parts(NamedTuple):
-    """Parts of J."""
+    """Parts of the objective J."""
 
     tracking: float
     terminal: float
@@ -64,20 +64,20 @@ class Metric:
         self._problem = problem
 
     def product(self, u: np.ndarray, w: np.ndarray) -> float:
-        """Returns the product of two controls, over all ranks."""
+        """Returns the metric's product of two controls, summed over all ranks."""
         return self._problem.inner(u, w)
 
     def apply(self, u: np.ndarray) -> np.ndarray:
-        """Returns matrix times control: the derivative of half the squared norm. (intervals × values)"""
+        """Returns the metric's matrix times a control, the derivative of half the squared norm. (intervals × values)"""
         return self._problem.dual(u)
 
     def apply_inverse(self, d: np.ndarray) -> np.ndarray:
-        """Returns the Riesz representative of a derivative, to rounding. (intervals × values)"""
+        """Returns the Riesz representative of a derivative: the metric's inverse matrix times d, up to rounding. (intervals × values)"""
         return self._problem.riesz(d)
 
     @cached_property
     def diagonal(self) -> np.ndarray | None:
-        """Diagonal of the matrix if it is diagonal, with bounds or values on cells; else None. (intervals × values)"""
+        """Diagonal of the metric's matrix if the matrix is diagonal, as with bounds or values on cells; else None. (intervals × values)"""
         return self.weights if self._problem.diagonal else None
 
     @cached_property
@@ -123,17 +123,17 @@ class Problem:
         return self._problem.zero()
 
     def first_guess(self) -> np.ndarray:
-        """Returns the scene's control.initial, within the bounds. Collective."""
+        """Returns the scene's control.initial, clipped to the bounds. Collective."""
         return self._problem.first_guess()
 
     @cached_property
     def lower(self) -> np.ndarray | None:
-        """Lower bounds of every value; None without."""
+        """Lower bound of each value of a control; None without lower bounds."""
         return fixed(self._problem.lower())
 
     @cached_property
     def upper(self) -> np.ndarray | None:
-        """Upper bounds of every value; None without."""
+        """Upper bound of each value of a control; None without upper bounds."""
         return fixed(self._problem.upper())
 
     @cached_property
@@ -148,18 +148,18 @@ class Problem:
 
     @cached_property
     def points(self) -> np.ndarray:
-        """Places of the control's values: nodes, or middles of cells, of the undeformed body, m. (places × dim)"""
+        """Points of the control's values on this rank: nodes or midpoints of cells of the undeformed body, m. (places × dim)"""
         return fixed(self._problem.points())
 
     @property
     def components(self) -> str:
-        """Components in which the control acts, such as "xy": u.reshape(len(times), len(points), len(components))."""
+        """Components in which the control acts, such as "xy". u.reshape(len(times), len(points), len(components)) separates them."""
         return "".join("xyz"[one] for one in self._problem.components)
 
     # --- J and its derivatives ------------------------------------------------------------------------
 
     def value(self, u: np.ndarray) -> float:
-        """Returns J(u), by a forward sweep."""
+        """Returns J(u), computed by a forward sweep."""
         return self._problem.value(u)
 
     def value_and_gradient(self, u: np.ndarray) -> tuple[float, np.ndarray]:
@@ -167,7 +167,7 @@ class Problem:
         return self._problem.value_and_derivative(u)
 
     def gradient(self, u: np.ndarray) -> np.ndarray:
-        """Returns the derivative of value_and_gradient() alone. (intervals × values)"""
+        """Returns only the derivative of J that value_and_gradient() returns. (intervals × values)"""
         return self.value_and_gradient(u)[1]
 
     def representative(self, u: np.ndarray) -> np.ndarray:
@@ -184,7 +184,7 @@ class Problem:
         return self._problem.hessian_product(u, d)
 
     def pairing(self, derivative: np.ndarray, d: np.ndarray) -> float:
-        """Returns the first-order change of J by a change d of the control: the sum of all products of entries, over all ranks."""
+        """Returns the first-order change of J for a change d of the control: the sum of products of entries, over all ranks."""
         return float(sum(of_all(float(np.vdot(shaped(derivative, self.shape), shaped(d, self.shape))))))
 
     def parts(self, u: np.ndarray) -> Parts:
@@ -200,21 +200,21 @@ class Problem:
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """Nodes of this rank in the undeformed body, m. (nodes × dim)"""
+        """Points of this rank's nodes in the undeformed body, m. (nodes × dim)"""
         return fixed(self._problem.nodes())
 
     def states(self, u: np.ndarray) -> np.ndarray:
-        """Returns the displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""
+        """Returns a copy of the displacements of this rank's nodes at all step_times, in the motion under u, m. (steps + 1 × nodes × dim)"""
         return self._problem.displacements(u, 0, self._problem.steps + 1)
 
     def displacement(self, u: np.ndarray, step: int) -> np.ndarray:
-        """Returns the displacement after a step, 0 being the start, m. (nodes × dim)"""
+        """Returns the displacement of this rank's nodes at the end of a step, in the motion under u, m; step 0: the start. (nodes × dim)"""
         if not 0 <= step <= self._problem.steps:
             raise IndexError(f"step: found {step}; expected 0 to {self._problem.steps}")
         return self._problem.displacements(u, step, 1)[0]
 
     def active(self, u: np.ndarray) -> np.ndarray:
-        """Returns the number of candidates of the whole body in contact at the step_times; 0 at the start. (steps + 1)"""
+        """Returns the number of active candidates of the whole body at all step_times, in the motion under u; 0 at the start. (steps + 1)"""
         return np.array(self._problem.active(u), dtype=int)
 
     # --- Costs ------------------------------------------------------------------------------------------
@@ -239,7 +239,7 @@ class Problem:
 
     @cached_property
     def _order(self) -> np.ndarray:
-        """Numbers, in the order of a whole row (by place, not by rank), of the values of all ranks one after another."""
+        """Permutation from the concatenated values of all ranks to a whole row of a control, whose order does not depend on the ranks."""
         points = np.concatenate(of_all(self.points))
         extent = np.ptp(points, axis=0).max(initial=0) or 1
         places = np.lexsort(np.round(points / extent, 9).T[::-1])
@@ -258,14 +258,14 @@ class Problem:
 
     @cached_property
     def _of_whole(self) -> tuple[np.ndarray, np.ndarray]:
-        """Starts of this rank's places in a row of a whole control, and distances to the next row."""
+        """Offsets of this rank's values in the first row of a whole control, and strides to the next row."""
         first = sum(self._widths[:RANK])
         own = np.argsort(self._order)[first : first + self.shape[1] : len(self.components)]
         return own, np.full_like(own, len(self._order))
 
     @cached_property
     def _of_ranks(self) -> tuple[np.ndarray, np.ndarray]:
-        """Starts of a whole control's places in the controls of all ranks, one after another, and distances to the next row."""
+        """Offsets of a whole control's values in the concatenated controls of all ranks, and strides to the next row."""
         first = np.concatenate([[0], np.cumsum(self._widths)])
         places = self._order[:: len(self.components)]
         rank = np.searchsorted(first, places, side="right") - 1
@@ -284,7 +284,7 @@ class Problem:
         return self._rows(self._of_whole, row, column)
 
     def _of_all(self, u: np.ndarray) -> np.ndarray:
-        """Returns the controls of all ranks, one after another."""
+        """Returns the concatenated controls of all ranks."""
         values = np.ascontiguousarray(shaped(u, self.shape), dtype=float)
         if RANKS == 1:
             return values
@@ -302,7 +302,7 @@ class Problem:
         return self._to_own().of(shaped(whole, (self.shape[0], len(self._order))))
 
     def replicated(self) -> Replicated:
-        """Returns the problem in vectors that are whole on every rank, for optimizers without support of ranks."""
+        """Returns the problem in terms of vectors that are the same on every rank, for optimizers without support for MPI."""
         return Replicated(self)
 
 
@@ -332,7 +332,7 @@ class Replicated:
         return self._vectors.of(self.problem._of_all(u)).ravel()
 
     def control(self, x: np.ndarray) -> np.ndarray:
-        """Returns the control of x, this rank's part. (intervals × values)"""
+        """Returns this rank's part of the control with the vector x. (intervals × values)"""
         return self._controls.of(shaped(x, (self.size,)))
 
     @property
@@ -342,7 +342,7 @@ class Replicated:
 
     @property
     def bounds(self) -> list[tuple[float, float]] | None:
-        """Lower and upper bound of each entry, as scipy.optimize takes them; None without."""
+        """Pairs of lower and upper bound of each entry of x, as scipy.optimize expects them; None without bounds."""
         lower, upper = self.problem.lower, self.problem.upper
         if lower is None and upper is None:
             return None
@@ -354,16 +354,16 @@ class Replicated:
         return self.problem._problem.value(x, self._controls)
 
     def value_and_gradient(self, x: np.ndarray) -> tuple[float, np.ndarray]:
-        """Returns J and its gradient by x. (n)"""
+        """Returns J and its gradient with respect to x. (n)"""
         value, derivative = self.problem._problem.value_and_derivative(x, self._controls)
         return value, self._by_x(derivative)
 
     def hessian_product(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """Returns the Hessian at x times d, with the active sets there. (n)"""
+        """Returns the Hessian of J at x times d, with the active sets of the motion at x. (n)"""
         return self._by_x(self.problem._problem.hessian_product(x, d, self._controls))
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
-        """Returns the derivative by x of one by u; takes the memory of the latter. (n)"""
+        """Converts a derivative with respect to u into one with respect to x; overwrites the argument. (n)"""
         if RANKS > 1:
             return self._derivatives.of(self.problem._of_all(derivative)).ravel()
         self._derivatives.in_place(derivative)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def read(folder: str | os.PathLike) -> Run:
-    """Returns the run whose results are in a folder. Raises SceneError."""
+    """Returns the run whose results are in a folder. Raises SceneError if the folder has no results of a run."""
     return Run(Path(folder).absolute())
 
 
@@ -65,7 +65,7 @@ class Run:
 
     def _require_same(self) -> None:
         if self._manifest_bytes() != self._stamp and self.folder.is_dir():
-            raise _signorini.SceneError(f"{self.folder}: another run was written there after this one was read; signorini.read() reads that one")
+            raise _signorini.SceneError(f"{self.folder}: another run was written to this folder after this run was read; signorini.read() reads the new run")
 
     def __repr__(self) -> str:
         return "\n".join([f"<signorini.Run {self.folder}: {self._run.identity}>", *(f"warning: {text}" for text in self.warnings)])
@@ -83,13 +83,13 @@ class Run:
 
     @property
     def scene(self) -> dict:
-        """The scene with every default, as nested dicts."""
+        """The resolved scene, with every default, as nested dicts."""
         with self._told():
             return self._run.scene
 
     @property
     def objective(self) -> float:
-        """J of the run."""
+        """Value of the objective J of the run."""
         try:
             return self.manifest["objective"]["value"]
         except (KeyError, TypeError):
@@ -133,7 +133,7 @@ class Run:
         return self.table("probes")
 
     def table(self, name: str) -> Table:
-        """Returns a table by the name of its file, without .csv."""
+        """Returns the table in a .csv file of the run. `name`: name of the file without .csv."""
         with self._told():
             text = self._run.read(f"{name}.csv", _files.whole_text)
         try:
@@ -213,28 +213,28 @@ class Field:
 
     @property
     def mesh(self) -> object:
-        """Mesh of the field: `points` and `cells`."""
+        """Undeformed mesh of the field: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers)."""
         return self._series.mesh
 
     @property
     def times(self) -> np.ndarray:
-        """The stored times, s."""
+        """Times at which the field is stored, s."""
         return self._series.times
 
     @property
     def cellwise(self) -> bool:
-        """Whether there is one value for each cell, else for each node."""
+        """Whether the field has a value for each cell; else it has one for each node."""
         return self._series.cellwise
 
     def __len__(self) -> int:
         return len(self._series.times)
 
     def __getitem__(self, index: int) -> np.ndarray:
-        """Returns the values at times[index]. (nodes or cells × components, of a tensor × 3 × 3)"""
+        """Returns the values at times[index]. (nodes or cells × components; tensors: cells × 3 × 3)"""
         with self._run._told():
             return self._series.values(range(len(self))[index])
 
     @cached_property
     def values(self) -> np.ndarray:
-        """All values. (times × nodes or cells × components, of a tensor × 3 × 3)"""
+        """Values at all stored times. (times × nodes or cells × components; tensors: times × cells × 3 × 3)"""
         return np.array([self[index] for index in range(len(self))])

@@ -36,12 +36,12 @@ class Scene:
 
     @property
     def file(self) -> Path:
-        """The scene file, absolute."""
+        """Absolute path of the scene file."""
         return self._scene.file
 
     @property
     def name(self) -> str:
-        """Name of the file without its extension."""
+        """Name of the scene file without its extension."""
         return self._scene.name
 
     @cached_property
@@ -72,11 +72,11 @@ class Scene:
         return self._status("check", Path(), quiet) == DONE
 
     def problem(self) -> Problem:
-        """Returns the control problem: J and its derivatives. Collective. Raises SceneError, SolverFailure, KeyboardInterrupt."""
+        """Returns the scene's control problem: J and its derivatives. Collective. Raises SceneError, SolverFailure, KeyboardInterrupt."""
         return Problem(self)
 
     def fit(self) -> Fit:
-        """Returns the unknowns and measurements as a least-squares problem. Collective. Raises SceneError, KeyboardInterrupt."""
+        """Returns the scene's unknowns and measurements as a least-squares problem. Collective. Raises SceneError, KeyboardInterrupt."""
         return Fit(self)
 
     def _status(self, verb: str, out: Path, quiet: bool, resume: bool = False, replace: bool = False) -> int:
@@ -94,7 +94,7 @@ class Scene:
         run._scratch = scratch
         if status == SOLVER_FAILED:
             raise _signorini.SolverFailure(f"{self.file}: {run.manifest['stop_reason']}"
-                                           + ("" if out is None else f"; what was found before is in {folder}"))  # fmt: skip
+                                           + ("" if out is None else f"; results until then are in {folder}"))  # fmt: skip
         return run
 
 
@@ -118,5 +118,5 @@ def toml(value: object) -> str:
 
 
 def escaped(letter: str) -> str:
-    """Returns a letter as it stands within a text of TOML."""
+    """Returns a character as it is written in a TOML string, escaped if necessary."""
     return f"\\u{ord(letter):04x}" if letter in '"\\\x7f' or letter < " " else letter

@@ -22,12 +22,12 @@ T = TypeVar("T")
 
 
 def from_root(value: T) -> T:
-    """Returns the value of rank 0. Collective."""
+    """Returns the argument of rank 0 on every rank. Collective."""
     return WORLD.bcast(value) if RANKS > 1 else value
 
 
 def of_all(value: T) -> list[T]:
-    """Returns the values of all ranks. Collective."""
+    """Returns the arguments of all ranks, in the order of the ranks, on every rank. Collective."""
     return WORLD.allgather(value) if RANKS > 1 else [value]
 
 
@@ -39,7 +39,7 @@ def end_all_at_exceptions() -> None:
 
     def report_and_end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         report(kind, error, trace)
-        print(f"signorini: rank {RANK} of {RANKS} ends all ranks", file=sys.stderr)
+        print(f"signorini: rank {RANK} of {RANKS} failed and ends all ranks", file=sys.stderr)
         sys.stdout.flush()
         sys.stderr.flush()
         WORLD.Abort(130 if issubclass(kind, KeyboardInterrupt) else 1)
@@ -48,6 +48,6 @@ def end_all_at_exceptions() -> None:
 
 
 def wait() -> None:
-    """Waits for all ranks. Collective."""
+    """Waits until all ranks have made this call. Collective."""
     if RANKS > 1:
         WORLD.Barrier()

@@ -43,7 +43,7 @@ def run_with(name: str, folder: Path | str, command: list[str]) -> subprocess.Co
 
 
 def refuses(done: subprocess.CompletedProcess, name: str, folder: Path | str, why: str) -> None:
-    assert f"{name}: found the folder {folder}, which cannot be written ({why}" in done.stderr.splitlines()[-1]
+    assert f"{name}: the folder {folder} for temporary files is not writable ({why}" in done.stderr.splitlines()[-1]
 
 
 @pytest.fixture(params=("a file", "/proc"))
@@ -196,5 +196,5 @@ def test_missing_package_is_named(tmp_path: Path) -> None:
     """By report, in one line."""
     (tmp_path / "h5py.py").write_text('raise ModuleNotFoundError("gone", name="h5py")\n')
     done = subprocess.run([SIGNORINI, "report", tmp_path], env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True)
-    assert done.returncode == 2 and done.stderr.startswith("signorini report: found no Python package h5py (")
+    assert done.returncode == 2 and done.stderr.startswith("signorini report: the Python package h5py is missing (")
     assert len(done.stderr.splitlines()) == 1

@@ -121,14 +121,14 @@ def test_no_python(program: Path, tmp_path: Path) -> None:
 
 def test_no_package(program: Path, tmp_path: Path) -> None:
     (tmp_path / "jinja2.py").write_text("raise ModuleNotFoundError(name='jinja2')\n")
-    one_line("signorini report: found no Python package jinja2 ", program, "report", tmp_path, env=ENV | {"PYTHONPATH": str(tmp_path)})
+    one_line("signorini report: the Python package jinja2 is missing ", program, "report", tmp_path, env=ENV | {"PYTHONPATH": str(tmp_path)})
 
 
 def test_no_scripts(prefix: Path, tmp_path: Path) -> None:
     copy = shutil.copytree(prefix, tmp_path / "copy", symlinks=True)
     scripts = copy / "share" / "signorini" / "postprocess"
     shutil.rmtree(scripts)
-    assert str(scripts) in one_line("signorini: report: found none of its scripts", copy / "bin" / "signorini", "report", tmp_path)
+    assert str(scripts) in one_line("signorini: report: the scripts of this verb were not found", copy / "bin" / "signorini", "report", tmp_path)
 
 
 def test_completion(prefix: Path) -> None:

@@ -52,7 +52,7 @@ def measured(tmp_path: Path) -> Path:
 
 
 def test_stays_without_replace(measured: Path) -> None:
-    assert "exists and stays as it is, since a fit may use it" in run("simulate", measured / "scene.toml", "--measure", "--quiet", status=2)
+    assert "exists and is not overwritten, since a fit may use it" in run("simulate", measured / "scene.toml", "--measure", "--quiet", status=2)
 
 
 @pytest.mark.parametrize("ranks", (1, 2))
@@ -85,7 +85,7 @@ KEPT = {
     "link.csv": "record.csv was not written by",
     "mesh.geo": "mesh.geo was not written by",
     "wrong.toml": "wrong.toml was not written by",
-    "new.csv": "new.csv.measured is in the way",
+    "new.csv": "new.csv.measured has the name of the note",
     "push.csv": "push.csv is a table that the scene reads",
     "out/steps.csv": "steps.csv is a file of the run itself",
     "./out/checkpoint.h5": "is a file of the run itself",
@@ -140,7 +140,7 @@ def test_units_of_columns_are_converted(measured: Path) -> None:
     assert fitted["data"] == pytest.approx(50, rel=1e-6) and fitted["units"] == pytest.approx(fitted["data"], rel=1e-9)
 
 
-@pytest.mark.parametrize("scale, text", ((1, "table.csv: the data end at 0.3 s, the run at 0.6 s"), (1e-3, "a thousandth of the run's 0.6 s or less")))
+@pytest.mark.parametrize("scale, text", ((1, "table.csv: the data end at 0.3 s, but the run at 0.6 s"), (1e-3, "a thousandth of the run's 0.6 s or less")))
 def test_doubtful_times_are_warned_of(measured: Path, scale: float, text: str) -> None:
     write_rows(measured / "table.csv", "time,value", [(scale * t, y) for t, y in samples(measured)[:15]])
     said = run("optimize", scene(measured, "table.csv"), "--set", "optimizer.max_iterations=0")

@@ -65,7 +65,7 @@ def test_J(name: str, tmp_path: Path) -> None:
 
 def test_J_without_the_desired_run(tmp_path: Path) -> None:
     done = signorini("simulate", BLOCK, tmp_path, objective__desired={"run": "nowhere"})
-    assert "J is not known: objective.desired.run: " in done.stdout
+    assert "J could not be evaluated: objective.desired.run: " in done.stdout
     assert "objective" not in json.loads((tmp_path / "run.json").read_text())
 
 
@@ -183,7 +183,7 @@ def test_control_from_fields_is_refused(from_fields: Path, setting: dict[str, ob
 SOME = {"optimizer__max_iterations": 2, "output__every": 7, "optimizer__checkpoint": 0}
 BETWEEN = "found no step stored between"
 UNKNOWN = {
-    "steps": ({}, f"{BETWEEN} 0 and 0.02 s, and checkpoint.h5 is of another run"),
+    "steps": ({}, f"{BETWEEN} 0 and 0.02 s, and checkpoint.h5 belongs to another run"),
     "constant": ({"control__constant_in_time": True}, "found a control that changes in time; use one that is constant"),
     "long steps": ({"control__step": 0.3}, BETWEEN),
 }
@@ -239,7 +239,7 @@ def test_control_of_a_killed_search(optimum: Optimum, killed: Path, tmp_path: Pa
 def test_manifest_of_no_run(killed: Path, value: str, ranks: int, tmp_path: Path) -> None:
     """The checkpoint is not this one's, on whichever rank that is found."""
     (killed / "run.json").write_text(f'{{"objective": {value}}}')
-    refused("no control.h5 of its run, and checkpoint.h5 is of another run", ranks=ranks, out=tmp_path / "again",
+    refused("no control.h5 of its run, and checkpoint.h5 belongs to another run", ranks=ranks, out=tmp_path / "again",
             control__initial={"run": str(killed)})  # fmt: skip
 
 
@@ -248,7 +248,7 @@ def test_checkpoint_of_a_fit(killed: Path, tmp_path: Path) -> None:
     (killed / "run.json").write_text('{"objective": []}')
     with h5py.File(killed / "checkpoint.h5", "a") as file:
         del file["u"]
-    refused("checkpoint.h5 is of a search without a control; use", ranks=2, out=tmp_path / "again", control__initial={"run": str(killed)})
+    refused("checkpoint.h5 belongs to a search without a control; use", ranks=2, out=tmp_path / "again", control__initial={"run": str(killed)})
 
 
 FREE = {"contact__obstacle__point": [0, -100], "load__body": ["0", "0"], "optimizer__start": "guess"}  # all momentum is the control's
@@ -280,16 +280,16 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Optimum:
 
 
 OTHER_KINDS = {
-    "other component": ("x", Y, "checkpoint.h5: found a control of x, this scene's acts in y;"),
-    "fewer components": ("xy", Y, "found a control of x, y, this scene's acts in y;"),
-    "fewer components, other mesh": ("xy", Y | {"mesh__size": 0.3}, "found a control of x, y, this scene's acts in y;"),
-    "other group": ("top", {"control__on": "left"}, 'found a control on "top", this scene\'s acts on "left"'),
-    "on the body": ("top", {}, 'found a control on "top", this scene\'s acts on the body'),
-    "other scale": ("xy", {"control__scale": 1e3}, "found a control with control.scale = 1, this scene has 1000"),
-    "far": ("xy", FAR, "found a control up to 100 m from this scene"),
-    "far, on a group": ("top", FAR | {"control__on": "top"}, "found a control up to 100 m from this scene"),
-    "from a wide mesh": ("wide", {}, "found a control up to 2 m from this scene"),
-    "on a wide mesh": ("xy", WIDE, "found a control up to 2 m from this scene"),
+    "other component": ("x", Y, "checkpoint.h5: found a control in x, but this scene's control acts in y;"),
+    "fewer components": ("xy", Y, "found a control in x, y, but this scene's control acts in y;"),
+    "fewer components, other mesh": ("xy", Y | {"mesh__size": 0.3}, "found a control in x, y, but this scene's control acts in y;"),
+    "other group": ("top", {"control__on": "left"}, 'found a control on "top", but this scene\'s control acts on "left"'),
+    "on the body": ("top", {}, 'found a control on "top", but this scene\'s control acts on the body'),
+    "other scale": ("xy", {"control__scale": 1e3}, "found a control with control.scale = 1, but this scene has 1000"),
+    "far": ("xy", FAR, "found a control up to 100 m away from this scene"),
+    "far, on a group": ("top", FAR | {"control__on": "top"}, "found a control up to 100 m away from this scene"),
+    "from a wide mesh": ("wide", {}, "found a control up to 2 m away from this scene"),
+    "on a wide mesh": ("xy", WIDE, "found a control up to 2 m away from this scene"),
 }
 
 

@@ -174,7 +174,7 @@ def refused(folder: Path, *expected: str) -> None:
 
 
 def test_empty_folder(tmp_path: Path) -> None:
-    refused(tmp_path, "neither a run nor a study")
+    refused(tmp_path, "not the folder of a run or a study")
 
 
 def test_no_such_folder(tmp_path: Path) -> None:

@@ -17,6 +17,6 @@ def test_few_steps_are_solved_without_a_factor(tmp_path: Path) -> None:
         runs[linear] = json.loads((tmp_path / linear / "run.json").read_text())
     chosen = runs["auto"]["solver"]
     assert runs["direct"]["solver"].startswith("CHOLMOD")
-    assert chosen.startswith("CG") and "for 4 solves" in chosen  # two of the motion, two of the desired one
+    assert chosen.startswith("CG") and "time of 4 solves" in chosen  # two of the motion, two of the desired one
     by_choice, direct = (run["objective"]["value"] for run in runs.values())
     assert direct > 0 and by_choice == pytest.approx(direct, rel=1e-8, abs=0)  # of the iterations

@@ -40,12 +40,12 @@ def test_nothing_is_written_without_a_rung(tmp_path: Path) -> None:
 
 def test_budget_stops(continued: SimpleNamespace) -> None:
     """What is there is kept whatever the budget."""
-    assert "4 of 24 rungs were there already" in continued.stopped and "the budget ends before rung" in continued.stopped
+    assert "4 of 24 rungs were already stored in the folder" in continued.stopped and "the budget ends before rung" in continued.stopped
     assert set(continued.some["size"]) == {4, 2, 1, 0.7} and list(continued.some["steps"]) == [30] * 4
 
 
 def test_damaged_rung_runs_again(continued: SimpleNamespace) -> None:
-    assert "3 of 24 rungs were there already" in continued.resumed
+    assert "3 of 24 rungs were already stored in the folder" in continued.resumed
     assert re.search(r"^rung \d+ of 24 runs again: its file is damaged", continued.resumed, re.MULTILINE)
     assert continued.resumed.count("runs again") == 1
     rows = continued.rows
@@ -66,7 +66,7 @@ def test_priced_unknowns(continued: SimpleNamespace) -> None:
 def test_nothing_runs_twice(continued: SimpleNamespace) -> None:
     before = (continued.out / "study.csv").read_bytes()
     again = study(HALF_DISC, continued.out, *RUNGS).stdout
-    assert "24 of 24 rungs were there already" in again and "rung 1 of 24: size" not in again
+    assert "24 of 24 rungs were already stored in the folder" in again and "rung 1 of 24: size" not in again
     assert (continued.out / "study.csv").read_bytes() == before
 
 
@@ -168,7 +168,7 @@ def test_chosen_steps_are_accurate(chosen: Path) -> None:
 
 
 def test_chosen_steps_are_kept(chosen: Path) -> None:
-    assert "5 of 5 rungs were there already" in study(RING, chosen, *CHOSEN, *FALL).stdout
+    assert "5 of 5 rungs were already stored in the folder" in study(RING, chosen, *CHOSEN, *FALL).stdout
 
 
 def test_chosen_steps_on_the_page(chosen: Path) -> None:
@@ -212,7 +212,7 @@ def test_equal_warnings_are_printed_once(stressed: SimpleNamespace) -> None:
     for name in names:
         alike = [warning for warning in stressed.warnings if warning["name"] == name]
         others = [str(warning["rung"]) for warning in alike[:-1]]
-        also = f" (also rung{'s' * (len(others) > 1)} {', '.join(others)}: study.json)" if others else ""
+        also = f" (also rung{'s' * (len(others) > 1)} {', '.join(others)}; see study.json)" if others else ""
         assert f"warning: rung {alike[-1]['rung']}: {alike[-1]['message']}{also}\n" in stressed.said
     assert stressed.said.count("warning: rung") == len(names) < len(stressed.warnings)
 
@@ -235,10 +235,10 @@ def test_stress_is_not_computed_for_other_quantities(stressed: SimpleNamespace, 
 
 REFUSED = {
     ("--quantity", "impuls"): ("--quantity", "impuls", 'did you mean "impulse"?'),
-    ("--quantity", "gradient"): ("--quantity", "gradient", "this scene has"),
+    ("--quantity", "gradient"): ("--quantity", "gradient", "quantities of this scene: "),
     ("--sizes", "0"): ("--sizes", "found 0"),
     ("--steps", "-1"): ("--steps", "found -1"),
-    ("--steps", "1e-20"): ("--steps: found 1e-20 s", "choose 1 to 100000000 steps"),
+    ("--steps", "1e-20"): ("--steps: found 1e-20 s", "gives 1 to 100000000 steps"),
     ("--tolerances", "0.7"): ("--tolerances: found 0.7", "from 1e-12 to 0.5"),
     ("--degrees", "3"): ("--degrees", "found 3", "expected 1 or 2"),
     ("--schemes", "implicit"): ("--schemes", "found", "contact-implicit"),

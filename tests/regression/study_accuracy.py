@@ -123,7 +123,7 @@ def test_recommendations(impact: Path, tmp_path: Path) -> None:
             sizes, steps = ",".join(map(str, IMPACT_SIZES[i : i + 3])), ",".join(f"{2 / n:.10g}" for n in IMPACT_STEPS[j : j + 3])
             said = study(scene, out, "--schemes", "massless" if mass == "massless" else scheme, "--sizes", sizes, "--steps", steps,
                          "--quantity", ",".join(TRUTH))  # fmt: skip
-            assert "9 of 9 rungs were there already" in said.stdout
+            assert "9 of 9 rungs were already stored in the folder" in said.stdout
             rows = table(out / "study.csv")
             bar = {name: one["bar"] for name, one in json.loads((out / "study.json").read_text())["quantities"].items()}
             finest = (rows["size"] == rows["size"].min()) & (rows["steps"] == rows["steps"].max())
@@ -167,7 +167,7 @@ def test_contact_times(tmp_path: Path) -> None:
 def moduli(said: str) -> list[list[float]]:
     """The parts of each trial's estimate, which is twice their sum, or that of their moduli if that is more."""
     parts = []
-    for error, *found in re.findall(r"estimated error at most (\S+) \(space (\S+), time (\S+)\)", said):
+    for error, *found in re.findall(r"estimated relative error at most (\S+) \(space (\S+), time (\S+)\)", said):
         parts.append([float(part) for part in found])
         assert abs(float(error) - np.maximum(2 * abs(sum(parts[-1])), sum(map(abs, parts[-1])))) < 0.02 * float(error), said
     return parts
@@ -179,7 +179,7 @@ def test_suggested_for_J(tmp_path: Path) -> None:
     tolerance = 1e-2
     said = study(HALF_DISC, None, "--suggest", tolerance, *PATIENT, "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
     assert len(moduli(said)) >= 2
-    found = re.search(rf"0\.01 in J is met by: size {NUMBER}, step {NUMBER}, degree 1, by their own estimate at most {NUMBER}", said)
+    found = re.search(rf"0\.01 in J is met by: size {NUMBER}, step {NUMBER}, degree 1, estimated relative error at most {NUMBER}", said)
     assert found, said
     size, step, estimate = map(float, found.groups())
     assert estimate <= tolerance
@@ -196,7 +196,7 @@ def test_parts_of_opposite_sign() -> None:
     """They make up for each other by chance: the moduli count."""
     beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1e-9s", "--set", "mesh.size=6", "--set", "time.step=1.25e-4",
                    "--set", "time.end=4e-3", status=1).stdout  # fmt: skip
-    assert "beyond the budget" in beyond and "not met" in beyond
+    assert "exceed the budget" in beyond and "not met" in beyond
     (parts,) = moduli(beyond)
     assert parts[0] * parts[1] < 0 and 2 * abs(sum(parts)) < sum(map(abs, parts))
 
@@ -216,4 +216,4 @@ def test_suggested_for_a_quantity(name: str) -> None:
 
 def test_beyond_the_budget() -> None:
     beyond = study(IMPACT, None, "--suggest", "1e-9", "--quantity", "impulse", "--budget", "1e-9s", status=1).stdout
-    assert "beyond the budget" in beyond and "not met" in beyond
+    assert "exceed the budget" in beyond and "not met" in beyond

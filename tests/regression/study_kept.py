@@ -47,7 +47,7 @@ def test_changed(before: dict[str, str], change: dict[str, str], words: str, tmp
     assert (table(out / "study.csv")["impulse"] > 0).all(), "no contact: the case says nothing"
     first = columns(out)
     unchanged = study(scene, out, *RUNGS, "--set", "output.every=3", "--set", "optimizer.tolerance=1e-3").stdout
-    assert "2 of 2 rungs were there already" in unchanged and "runs again" not in unchanged
+    assert "2 of 2 rungs were already stored in the folder" in unchanged and "runs again" not in unchanged
     write(tmp_path, change)
     said = study(scene, out, *RUNGS).stdout
     assert said.count("runs again: ") == 2 and said.count(words) >= 2
@@ -67,7 +67,7 @@ def test_changed_run_that_is_desired(tmp_path: Path) -> None:
     for i, young in enumerate((50.0, 40.0)):
         signorini("simulate", free, tmp_path / "run", material__young=young)
         said = study(scene, out, *one_size).stdout
-        assert said.count("objective.desired.run names is another") == 2 * i
+        assert said.count("objective.desired.run names has changed") == 2 * i
         study(scene, tmp_path / f"fresh-{i}", *one_size)
         np.testing.assert_equal(columns(out), columns(tmp_path / f"fresh-{i}"))
 

@@ -36,7 +36,7 @@ def test_same_figures(studies: dict[int, Path]) -> None:
 def test_rungs_of_another_number_of_ranks_run_again(studies: dict[int, Path], tmp_path: Path) -> None:
     out = shutil.copytree(studies[1], tmp_path / "out")
     again = study(HALF_DISC, out, *RUNGS, ranks=2).stdout
-    assert again.count('the number of ranks was "1" and is "2"') == 4
+    assert again.count('the number of ranks was "1", and now is "2"') == 4
 
 
 def test_same_search(tmp_path: Path) -> None:

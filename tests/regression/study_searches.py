@@ -58,7 +58,7 @@ def test_recommended_tolerance(searched: SimpleNamespace) -> None:
     error = table(searched.out / "study.csv")["J_estimate"][0]
     cheapest = next(i for i in np.argsort(rows["seconds"]) if rows["J_above_least"][i] <= error / 10)
     tolerance, percent = f"{rows['tolerance'][cheapest]:.3g}", f"{100 * error:.2g} %"
-    assert f"optimizer.tolerance = {tolerance} leaves less than a tenth of J's error by size and step, {percent}" in sentence
+    assert f"optimizer.tolerance = {tolerance} leaves less than a tenth of the error that size and step cause in J, {percent}" in sentence
     assert sentence in searched.said
 
 
@@ -70,7 +70,7 @@ def test_kept(out: Path) -> None:
 
 def test_other_method(out: Path) -> None:
     said = study(HALF_DISC, out, *ONE_RUNG, "--search-tolerances", "1e-1", "--set", "optimizer.method=newton-cg").stdout
-    assert "search 1 of 1 runs again: the method of the search is another" in said and len(table(out / "search.csv")["J"]) == 1
+    assert "search 1 of 1 runs again: the method of the search has changed" in said and len(table(out / "search.csv")["J"]) == 1
 
 
 def test_budget(out: Path) -> None:
@@ -80,7 +80,7 @@ def test_budget(out: Path) -> None:
 
 def test_price() -> None:
     said = study(HALF_DISC, None, *SEARCHES, "--dry-run").stdout
-    assert "and 3 searches: the number of sweeps is not known in advance" in said
+    assert "in addition 3 searches, whose number of sweeps and time cannot be predicted" in said
 
 
 def test_without_searches(out: Path) -> None:

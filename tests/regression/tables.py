@@ -82,7 +82,7 @@ def test_gripper(grip: Callable[[str], Grip], case: str) -> None:
     assert abs(impact["all"]["impulse"][1]) < 1e-2 * impact["all"]["normal_impulse"] and impact["restitution"] is None
     assert 0.24 <= lower["start"] <= 0.26 and not impact["ended"]
     near(lower["end"], 2, rel=1e-12)
-    assert all(f"\n  {name}: from " in printed for name in ("lower jaw", "obstacle 2", "all together")) and "by modulus" in printed
+    assert all(f"\n  {name}: from " in printed for name in ("lower jaw", "obstacle 2", "all together")) and "as sum of moduli" in printed
 
 
 def test_gripper_on_two_ranks(grip: Callable[[str], Grip]) -> None:
@@ -253,7 +253,7 @@ def test_stored_steps(tmp_path: Path) -> None:
     assert len(stored(tmp_path, "state", "displacement")[2]) == 301
     assert len(table(tmp_path / "steps.csv")["step"]) == len(table(tmp_path / "obstacles.csv")["step"]) == 601
     line = re.search(r"600 steps in \S+ s, their balances in \S+ s, output in \S+ s: (\S+) MB, fields and contact of one step in 2"
-                     r"(?: and of that with the largest force)? \(output.every = 2\)", done.stdout)  # fmt: skip
+                     r"(?: and of the step with the largest force)? \(output.every = 2\)", done.stdout)  # fmt: skip
     near(float(line[1]), sum(path.stat().st_size for path in tmp_path.iterdir()) / 1e6, rel=0.01)
 
 

@@ -109,4 +109,4 @@ def test_study_of_other_content(scene: Path, tmp_path: Path) -> None:
     assert "time series" not in said()
     table_given = tmp_path / "given.csv"
     table_given.write_text(table_given.read_text().replace("-4", "-5"))
-    assert "the content of a time series is another" in said()
+    assert "the content of a time series has changed" in said()

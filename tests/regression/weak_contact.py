@@ -36,7 +36,7 @@ def test_slopes_to_either_side(overrides: dict[str, object], ranks: int) -> None
     slopes = [float(x) for x in re.findall(r"Slope of J along [+-]d: ([-+.e\d]+)\.$", done.stdout, re.MULTILINE)]
     assert weak > 50 and len(slopes) == 2
     assert abs(slopes[0] + slopes[1]) > 0.1 * np.max(np.abs(slopes))
-    assert "Verdict: a kink along d" in done.stdout
+    assert "Verdict: J has a kink along d" in done.stdout
     # By the gradient of the piece of J on each side, and by the order of what is left of J there.
     wanted = {f"{what} along {side}d{more}" for side in "+-"
               for what, more in (("slope", ": gradient against linearised motion"), ("Taylor order", ""))}  # fmt: skip

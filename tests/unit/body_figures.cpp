@@ -68,7 +68,7 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
            {{"material.density=7850", "material.young=210000"},
             "slower than in any solid of 7850 kg/m³"},                    // MPa
            {{"material.density=7850000"}, "more than that of any solid"}, // g/m³
-           {{steel, "time={end = 1e-4, step = 1e-5}"}, "before a wave crosses the body of 1 m"},
+           {{steel, "time={end = 1e-4, step = 1e-5}"}, "before a wave has crossed the body of 1 m"},
            {{steel, slow}, "only slower motions are resolved"},
            {{"contact.obstacle={shape=\"half-space\", point=[0, 0], normal=[0, -1]}"},
             "% of the body is inside the obstacle"},

@@ -9,7 +9,7 @@ namespace signorini::test {
 /// The parts of a contact step on their own.
 struct Parts {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;

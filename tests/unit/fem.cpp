@@ -13,7 +13,7 @@ namespace {
 
 struct Body {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::Operators operators;
   explicit Body(int degree, const char* file = "tests/data/block.toml")

@@ -142,7 +142,7 @@ TEST_CASE("the first touch in words", "[forward]") {
   CHECK_THAT(line({}),
              ContainsSubstring("none before 0.6 s by the rigid motion, without the control; gap 0.1 m"));
   CHECK_THAT(line({"clamp=[{ on=\"top\" }]"}),
-             ContainsSubstring("by deformation alone, clamps hold the body"));
+             ContainsSubstring("only by deformation, since clamps hold the body"));
   CHECK_THAT(line({"contact.obstacle.point=[0, 0]"}), ContainsSubstring("\"floor\": at the start"));
 }
 
@@ -160,6 +160,7 @@ TEST_CASE("an obstacle far away is in doubt only where the body does not fly the
   brief.emplace_back("time.end=1.5");
   REQUIRE(warnings(brief).size() == 1);
   CHECK_THAT(warnings(brief).front(),
-             ContainsSubstring("the obstacle is 15 m away from a body of 1 m, which") &&
-                 ContainsSubstring("does not reach it by 1.5 s") && ContainsSubstring("mesh.unit"));
+             ContainsSubstring("the obstacle is 15 m away from the body of 1 m, which") &&
+                 ContainsSubstring("does not reach the obstacle until 1.5 s") &&
+                 ContainsSubstring("mesh.unit"));
 }

@@ -10,15 +10,15 @@ using Group = std::optional<std::string>;
 using Key =
     std::tuple<std::filesystem::path, std::optional<double>, double, scene::LengthUnit, int, Group, Group>;
 
-std::map<Key, std::shared_ptr<const problem::Discretisation>> discretisations;
+std::map<Key, std::shared_ptr<const problem::SpaceDiscretisation>> discretisations;
 
 } // namespace
 
-std::shared_ptr<const problem::Discretisation> discretised(const scene::Scene& scene) {
+std::shared_ptr<const problem::SpaceDiscretisation> discretised(const scene::Scene& scene) {
   const scene::Mesh& mesh = scene.mesh;
   const auto make = [&] {
     Timers timers;
-    return std::make_shared<const problem::Discretisation>(MPI_COMM_WORLD, scene, timers);
+    return std::make_shared<const problem::SpaceDiscretisation>(MPI_COMM_WORLD, scene, timers);
   };
   if (!mesh.file.string().starts_with(
           source("").string())) // another test may write another file of that name

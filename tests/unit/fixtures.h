@@ -20,7 +20,7 @@ std::filesystem::path source(const std::string& file);
 
 /// The mesh of a scene and the functions on it, once for all scenes with equal ones: each mesh takes a
 /// process. Collective.
-std::shared_ptr<const problem::Discretisation> discretised(const scene::Scene& scene);
+std::shared_ptr<const problem::SpaceDiscretisation> discretised(const scene::Scene& scene);
 /// Before MPI ends.
 void forget_discretisations();
 

@@ -159,8 +159,8 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
   }
   const std::vector<scene::Unknown> mixed{named("height", linear), named("speed", linear)};
   CHECK(drivers::unidentified(mixed, {1, -0.5}) ==
-        "The data do not separate height, speed: changes in the proportion of height by +1, speed by -0.5 "
-        "leave all values as they are.");
+        "The data do not separate height, speed: joint changes in the proportion height by +1, speed by "
+        "-0.5 leave all simulated values unchanged.");
 }
 
 TEST_CASE("an unknown on a logarithmic scale ends where the curvature of J is rounding", "[control]") {

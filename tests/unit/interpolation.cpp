@@ -11,7 +11,7 @@ namespace {
 /// A scene's control space alone.
 struct Space {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::Operators operators;
   control::ControlSpace controls;

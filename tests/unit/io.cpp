@@ -425,7 +425,8 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     const test::Ready other("tests/data/block.toml", finer);
     const control::ControlSpace elsewhere(other.problem.space, other.problem.operators, other.problem.grid,
                                           *other.scene.control);
-    CHECK_THROWS_WITH(read(elsewhere, file), ContainsSubstring("use the mesh of the run that wrote it"));
+    CHECK_THROWS_WITH(read(elsewhere, file),
+                      ContainsSubstring("use the mesh of the run that wrote the checkpoint"));
     CHECK(same(read(controls, file), pieces));
   }
 }

@@ -25,7 +25,7 @@ PetscInt virtual_dof(const fem::Layout& layout, std::size_t node) {
 
 struct Body {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::Operators operators;
   step::Stepper stepper;

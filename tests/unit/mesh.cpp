@@ -270,7 +270,7 @@ TEST_CASE("sizes at a curved boundary follow its curvature, and corners do not c
   const auto sizes_of = [](const char* file, double size) {
     const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(file), .size = size});
     std::vector<double> none(mesh.owned_cells().size()), all;
-    mesh::SizeField field = mesh::gathered(mesh, none, all);
+    mesh::SizeField field = mesh::gather_cells(mesh, none, all);
     field.sizes.assign(field.points.size() / 3, size);
     return field;
   };

@@ -158,7 +158,8 @@ TEST_CASE("a signed distance is linearised by its derivatives", "[contact]") {
   for (const char* flat : {"1", "y^2", "0*x", "abs(y)"}) {
     CAPTURE(flat);
     CHECK_THROWS_WITH(made(scene::SignedDistance{flat}, 2).at(x.data()),
-                      ContainsSubstring("no slope") && ContainsSubstring("(0.5, 0, 0)"));
+                      ContainsSubstring("the gradient of the expression is zero") &&
+                          ContainsSubstring("(0.5, 0, 0)"));
   }
   for (const char* infinite : {"1/y", "sqrt(y - 1)", "sqrt(y)"}) { // the last one beside the node
     CAPTURE(infinite);

@@ -133,12 +133,12 @@ TEST_CASE("a problem's units are found where its Hessian tells nothing", "[optim
   };
   const bool bounded = GENERATE(false, true);
   CAPTURE(bounded);
-  const optimize::Units here = units(1, 1, bounded);
+  const optimize::SearchUnits here = units(1, 1, bounded);
   CHECK(here.length > 0.5);
   CHECK(here.length < 10); // the minimiser is 5 away, the bounds 2.7
   for (const double c : {1e-9, 1e9})
     for (const double k : {1e-9, 1e9}) {
-      const optimize::Units there = units(c, k, bounded);
+      const optimize::SearchUnits there = units(c, k, bounded);
       CHECK(std::abs(there.length / (c * here.length) - 1) < 1e-12);
       CHECK(std::abs(there.objective() / (k * here.objective()) - 1) < 1e-12);
       CHECK(std::abs(there.gradient() / (k / c * here.gradient()) - 1) < 1e-12);

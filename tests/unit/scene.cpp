@@ -198,16 +198,16 @@ TEST_CASE("a time series is linear between its times", "[scene]") {
         {"t,v\n0,1\n1,inf\n", "v", "found \"inf\""},
         {"t,v\n0,1\n", "v", "found 1 line of numbers"},
         {"", "v", "found 0 lines"},
-        {"t,v\n0,0\n0,0,-1,5\n", "v", "line 3: found 4 cells below 2 names"}, // decimal commas
-        {"t,v,w\n0,0,1\n1,-1,000,1\n", "v", "line 3: found 4 cells below 3 names"},
+        {"t,v\n0,0\n0,0,-1,5\n", "v", "line 3: found 4 cells below 2 column names"}, // decimal commas
+        {"t,v,w\n0,0,1\n1,-1,000,1\n", "v", "line 3: found 4 cells below 3 column names"},
         {"t,v\n0,0\n1,\"-1,000\"\n", "v", "line 3: found \"-1,000\" in column 2"},
         {"t,v\n0,0\n1,\"-1\n", "v", "line 3: found \"\"-1\" in column 2"},
         {"t,v,v\n0,0,1\n1,1,2\n", "v", "found \"v\" in column 2 and \"v\" in column 3"},
         {"t,v,t\n0,0,1\n1,1,2\n", "v", "found \"t\" in column 1 and \"t\" in column 3"},
         {"t,v [mm],v [m]\n0,0,1\n1,1,2\n", "v", "found \"v [mm]\" in column 2 and \"v [m]\" in column 3"},
         {"v,w\n0,0\n1,1\n", "v", "no column of times"},
-        {"# t,v\n0,1\n1,2\n", "v", "line 2: found numbers; names of columns stand in the first line"},
-        {"Device: 5\nt,v\n0,1\n1,2\n", "v", "line 1: found \"Device: 5\"; names of columns stand"},
+        {"# t,v\n0,1\n1,2\n", "v", "line 2: found numbers; column names must be in the first line"},
+        {"Device: 5\nt,v\n0,1\n1,2\n", "v", "line 1: found \"Device: 5\"; column names must be"},
         {"t v\n0 1\n1 2\n", "v", "separated by commas, semicolons or tabs"},
         {"t,v [mV]\n0,0\n1,1\n", "v", "unknown unit in \"v [mV]\""},
         {"t,v [s]\n0,0\n1,1\n", "v", "\"v [s]\", which cannot be converted to m"},
@@ -292,10 +292,10 @@ TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
   one(scene::input_warnings(table("t,v", 1000, 2), 1), "a thousandth of the table or less", 1000); // in ms
   CHECK(scene::input_warnings(table("t [s],v", 1000, 100'001), 0.5).empty());
   CHECK(scene::input_warnings(table("t,v", 1, 2), 0.5).empty()); // all that it has
-  one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, the run at 1.2 s", 2);
+  one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, but the run at 1.2 s", 2);
   CHECK(scene::doubts_as_data(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
   one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "a thousandth of the run's 2 s or less", 2000);
-  one(scene::doubts_as_data(table("t [s],v", 1e-3, 11), 2), "nothing is fitted to the rest", 19990);
+  one(scene::doubts_as_data(table("t [s],v", 1e-3, 11), 2), "is not compared with data", 19990);
 }
 
 TEST_CASE("a time series stands where an expression of time may", "[scene]") {
@@ -336,7 +336,7 @@ TEST_CASE("a time series stands where an expression of time may", "[scene]") {
   load.evaluate(x, 0.25, value);
   CHECK((value[0] == 0 && value[1] == 1.5));
   CHECK((!load.slope(0, 0.25, true) && load.slope(1, 0.25, true) == 2));
-  CHECK_THROWS_WITH(made("initial.velocity=" + pair), ContainsSubstring("place alone"));
+  CHECK_THROWS_WITH(made("initial.velocity=" + pair), ContainsSubstring("expressions of position only"));
   CHECK_THROWS_WITH(made("load.gravity=" + pair, "t,v [kN]\n0,1\n1,3\n"),
                     ContainsSubstring("load.gravity: ") && ContainsSubstring("cannot be converted to m/s²"));
   CHECK(made("load.body=" + pair, "t [ms],v [kN/m^3]\n0,1\n1e3,3\n").load->body->back().series->values() ==

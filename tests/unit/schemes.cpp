@@ -18,7 +18,7 @@ const std::string in_a_corner =
 /// Body, candidates, and the mass before and after it was moved from the contact nodes.
 struct Moved {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   contact::ContactPairs pairs;

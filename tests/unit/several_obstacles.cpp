@@ -18,7 +18,7 @@ namespace {
 /// A block or cube with several obstacles; `contacts` is a list of tables in TOML.
 struct Walls {
   scene::Scene scene;
-  std::shared_ptr<const problem::Discretisation> shared;
+  std::shared_ptr<const problem::SpaceDiscretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;
@@ -311,11 +311,12 @@ TEST_CASE("the obstacles of a node follow each other in their order, at many nod
 }
 
 TEST_CASE("a node that clamps hold wholly is no candidate and needs no plane", "[contact]") {
-  // At the corner (0, 0) the level set has no slope.
+  // At the corner (0, 0) the level set has the gradient of the expression is zero.
   const std::string nowhere =
       "{ on = \"boundary\", obstacle = { shape = \"signed-distance\", distance = \"x^2 + y^2 + "
       "0.01\" } },";
-  CHECK_THROWS_WITH(Walls(nowhere), ContainsSubstring("no slope") && ContainsSubstring("(0, 0, 0)"));
+  CHECK_THROWS_WITH(Walls(nowhere), ContainsSubstring("the gradient of the expression is zero") &&
+                                        ContainsSubstring("(0, 0, 0)"));
   const Walls walls(nowhere, "block.toml", {"clamp=[{on=\"bottom\"}]"});
   CHECK(walls.pairs.count() == 16 - 5);
   for (int i = 0; i < walls.pairs.count(); ++i)

@@ -25,7 +25,7 @@ const Quantity D{"Q", "Q", "", false, true};
 const Quantity F{"F", "F", "", true, false};
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-Result run(double size, int steps, double seconds, double value) {
+RungResult run(double size, int steps, double seconds, double value) {
   Measured measured;
   measured.unknowns = std::lround(1000 / (size * size)); // another mesh for another size
   measured.steps = steps;
@@ -36,8 +36,8 @@ Result run(double size, int steps, double seconds, double value) {
 }
 
 /// Runs of four sizes h and numbers N of steps with the number Q = 1 + a h^p + b N^-q.
-std::vector<Result> runs(double a, double p, double b, double q) {
-  std::vector<Result> results;
+std::vector<RungResult> runs(double a, double p, double b, double q) {
+  std::vector<RungResult> results;
   for (double size : {4.0, 2.0, 1.0, 0.5})
     for (int steps : {10, 20, 40, 80})
       results.push_back(
@@ -46,8 +46,8 @@ std::vector<Result> runs(double a, double p, double b, double q) {
 }
 
 /// Runs of one size and ever more steps, by their seconds and values.
-std::vector<Result> chain(const std::vector<std::pair<double, double>>& of) {
-  std::vector<Result> results;
+std::vector<RungResult> chain(const std::vector<std::pair<double, double>>& of) {
+  std::vector<RungResult> results;
   for (int steps = 10; const auto& [seconds, value] : of)
     results.push_back(run(1, std::exchange(steps, 2 * steps), seconds, value));
   return results;
@@ -101,8 +101,8 @@ TEST_CASE("orders in space, in time and in both are those of the model, to round
   CHECK_THAT(together[0].both->slope, WithinAbs(2, rounding)); // size halves as steps double
   CHECK_THAT(orders(D, runs(0.1, 2, 3, 2), {{{"Q", 1}}, {}})[0].both->slope, WithinAbs(2, rounding));
   // Degrees and schemes are told apart.
-  std::vector<Result> two = runs(0.1, 2, 3, 1);
-  for (Result& result : runs(0.01, 3, 3, 1)) {
+  std::vector<RungResult> two = runs(0.1, 2, 3, 1);
+  for (RungResult& result : runs(0.01, 3, 3, 1)) {
     result.rung.degree = 2;
     two.push_back(result);
   }
@@ -113,7 +113,7 @@ TEST_CASE("orders in space, in time and in both are those of the model, to round
 }
 
 TEST_CASE("errors are relative to what is known, or to the finest rung", "[study]") {
-  const std::vector<Result> results = chain({{1, 3}, {2, 1.5}, {3, 2}});
+  const std::vector<RungResult> results = chain({{1, 3}, {2, 1.5}, {3, 2}});
   const Errors against_exact = errors(Q, results, {{{"Q", -2}}, {}});
   CHECK_FALSE(against_exact.reference);
   CHECK(against_exact.error == std::vector<std::optional<double>>{2.5, 1.75, 2.0});
@@ -124,7 +124,7 @@ TEST_CASE("errors are relative to what is known, or to the finest rung", "[study
   const Errors field = errors(F, results, {{}, {{"F", {3, 4}}}});
   CHECK_THAT(*field.error[0], WithinRel(7.0 / 5, 1e-14)); // (3, −3) beside (3, 4), whose length is 5
   // The finest is the smallest size, and of those the one with the most steps, wherever it stands.
-  std::vector<Result> mixed{run(0.5, 10, 1, 1), run(0.5, 40, 1, 4), run(1, 80, 1, 8)};
+  std::vector<RungResult> mixed{run(0.5, 10, 1, 1), run(0.5, 40, 1, 4), run(1, 80, 1, 8)};
   CHECK(errors(Q, mixed, {}).reference == std::size_t(1));
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("the estimate is exact where errors fall as the model says, and has no
 TEST_CASE("on the front is what no cheaper rung is as accurate as", "[study]") {
   // By seconds and moduli, from long steps to short ones: the cheapest; better by luck, as the next shows;
   // dearer and as good; two alike; as dear as they; the best.
-  const std::vector<Result> results =
+  const std::vector<RungResult> results =
       chain({{1, 0.6}, {2, 0.2}, {3, -0.6}, {4, 0.4}, {4, 0.4}, {4, 0.4}, {9, 0.1}});
   const Errors found = errors(D, results, {{{"Q", 0}}, {}});
   CHECK(found.envelope == std::vector<std::optional<double>>{0.6, 0.6, 0.6, 0.4, 0.4, 0.4, 0.1});
@@ -162,8 +162,8 @@ TEST_CASE("on the front is what no cheaper rung is as accurate as", "[study]") {
 }
 
 TEST_CASE("an envelope counts the rungs of its method that are as fine in size and in step", "[study]") {
-  std::vector<Result> results{run(2, 10, 1, 1.3), run(2, 20, 2, 1.01), run(1, 10, 3, 1.1),
-                              run(1, 20, 4, 1.05), run(0.5, 10, 5, 1.2)};
+  std::vector<RungResult> results{run(2, 10, 1, 1.3), run(2, 20, 2, 1.01), run(1, 10, 3, 1.1),
+                                  run(1, 20, 4, 1.05), run(0.5, 10, 5, 1.2)};
   const Exact exact{{{"Q", 1}}, {}};
   const std::vector<double> expected{0.3, 0.05, 0.2, 0.05, 0.2};
   for (std::size_t i = 0; i < results.size(); ++i)
@@ -194,15 +194,15 @@ TEST_CASE("the finest rung's error bar is that of its row and its column, and of
   CHECK(found.bar->asymptotic);
   CHECK_FALSE(errors(D, runs(0.1, 2, 3, 1), {{{"Q", 1}}, {}}).bar); // an exact value has none
   // Meshes that are the same whatever their size tell nothing of it.
-  std::vector<Result> same = runs(0, 2, 3, 1);
-  for (Result& result : same)
+  std::vector<RungResult> same = runs(0, 2, 3, 1);
+  for (RungResult& result : same)
     result.measured->unknowns = 12;
   CHECK_FALSE(errors(D, same, {}).bar->size);
   CHECK(errors(D, same, {}).bar->step);
-  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % of the step alone, sizes not verified");
+  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % from the step only, sizes not verified");
   // J of one rung beside another of half the size: parts of opposite sign do not make up for each other.
   const Quantity J{"J", "J", ""};
-  std::vector<Result> two{run(2, 10, 1, 0), run(1, 10, 2, 0)};
+  std::vector<RungResult> two{run(2, 10, 1, 0), run(1, 10, 2, 0)};
   two[0].measured->numbers["J"] = 1.01, two[1].measured->numbers["J"] = 1;
   two[1].measured->estimate = {0.3, -0.2, 0, 0};
   CHECK_THAT(errors(J, two, {}).bar->value, WithinRel(0.5, 1e-12));
@@ -214,65 +214,65 @@ TEST_CASE("the finest rung's error bar is that of its row and its column, and of
 
 TEST_CASE("the cheapest rung for each tolerance is named, and what is out of reach", "[study]") {
   const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
-  const std::vector<Result> results = chain({{1, 1.0005}, {2, 1.09}, {4, 1.008}, {8, 1.005}});
+  const std::vector<RungResult> results = chain({{1, 1.0005}, {2, 1.09}, {4, 1.008}, {8, 1.005}});
   const std::vector<std::string> said = sentences(errors(Q, results, {{{"Q", 1}}, {}}), results, scene);
   REQUIRE(said.size() == 4);
   // The first rung is as near as the last by luck: 9 % off with half the step.
-  const std::string there = "there and at all finer rungs)";
-  CHECK(said[0] == "for 10 % in Q: " + words(results[0].rung, scene) + ", 1 s (off by at most 9 % " + there);
-  CHECK(said[1] == "for 5 % in Q: " + words(results[2].rung, scene) + ", 4 s (off by at most 0.8 % " + there);
-  CHECK(said[2] == "for 1 % in Q: " + words(results[2].rung, scene) + ", 4 s (off by at most 0.8 % " + there);
-  CHECK(said[3] == "0.1 % in Q is out of this ladder's reach: its best is 0.5 %");
+  const std::string there = "at this rung and all finer ones)";
+  CHECK(said[0] == "for 10 % in Q: " + words(results[0].rung, scene) + ", 1 s (error at most 9 % " + there);
+  CHECK(said[1] == "for 5 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
+  CHECK(said[2] == "for 1 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
+  CHECK(said[3] == "0.1 % in Q is not reached by any rung of this study; the best is 0.5 %");
 }
 
 TEST_CASE("nothing is promised that the finest rung itself may be off by", "[study]") {
   const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
   // 1 + 8.8 / N from 10 to 80 steps: the finest is off by 11 %, and its neighbour differs from it by no more.
-  const std::vector<Result> results = chain({{1, 1.88}, {2, 1.44}, {4, 1.22}, {8, 1.11}});
+  const std::vector<RungResult> results = chain({{1, 1.88}, {2, 1.44}, {4, 1.22}, {8, 1.11}});
   const Errors found = errors(D, results, {});
   CHECK_THAT(found.bar->value, WithinRel(2 * 0.11, 1e-9));
   const std::vector<std::string> said = sentences(found, results, scene);
   REQUIRE(said.size() == 1);
   CHECK(said[0] ==
-        "10 % in Q is out of this ladder's reach: its best is 33 % (finest rung: error bar 22 % of "
-        "the step alone, sizes not verified)");
+        "10 % in Q is not reached by any rung of this study; the best is 33 % (finest rung: error bar "
+        "22 % from the step only, sizes not verified)");
   // Ten times as near it is promised, with the bar beside it.
-  const std::vector<Result> nearer = chain({{1, 1.088}, {2, 1.044}, {4, 1.022}, {8, 1.011}});
+  const std::vector<RungResult> nearer = chain({{1, 1.088}, {2, 1.044}, {4, 1.022}, {8, 1.011}});
   const std::string first = sentences(errors(D, nearer, {}), nearer, scene).front();
   CHECK(first ==
         "for 10 % in Q: " + words(nearer[0].rung, scene) +
-            ", 1 s (off by at most 7.7 % there and at all finer rungs; finest rung: error bar 2.2 % of "
-            "the step alone, sizes not verified)");
+            ", 1 s (error at most 7.7 % at this rung and all finer ones; finest rung: error bar 2.2 % "
+            "from the step only, sizes not verified)");
   // Of a chatter nothing is known but how much it is.
-  const std::vector<Result> chatter = chain({{1, 1}, {2, 1.004}, {4, 0.998}, {8, 1.001}});
+  const std::vector<RungResult> chatter = chain({{1, 1}, {2, 1.004}, {4, 0.998}, {8, 1.001}});
   const Errors found_chatter = errors(D, chatter, {});
   CHECK_THAT(found_chatter.bar->value, WithinRel(3 * 0.006, 1e-9));
   CHECK_FALSE(found_chatter.bar->asymptotic);
-  CHECK(sentences(found_chatter, chatter, scene)[2].starts_with("1 % in Q is out of"));
+  CHECK(sentences(found_chatter, chatter, scene)[2].starts_with("1 % in Q is not reached by"));
 }
 
 TEST_CASE("what has no size gives no relative error, and what is no number no error at all", "[study]") {
   const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
   for (const Quantity& quantity : {Q, F}) {
     // Beside a finest rung of zero, such as of a force that never came.
-    const std::vector<Result> to_zero = chain({{1, 0.5}, {2, 0}, {3, 0}});
+    const std::vector<RungResult> to_zero = chain({{1, 0.5}, {2, 0}, {3, 0}});
     const Errors zero = errors(quantity, to_zero, {});
     CHECK(zero.error == std::vector<std::optional<double>>{std::nullopt, 0.0, std::nullopt});
     CHECK(zero.pareto == std::vector<bool>{false, true, false});
-    CHECK(sentences(zero, to_zero, scene).front().starts_with("nothing is recommended"));
+    CHECK(sentences(zero, to_zero, scene).front().starts_with("no recommendation"));
     CHECK(orders(quantity, to_zero, {}).empty());
     // The finest is no number: the finest that is one takes its place.
-    const std::vector<Result> spoilt =
+    const std::vector<RungResult> spoilt =
         chain({{1, 1.5}, {2, no_number}, {3, 1}, {4, std::numeric_limits<double>::infinity()}});
     const Errors found = errors(quantity, spoilt, {});
     CHECK(found.reference == std::size_t(2));
     CHECK(found.error == std::vector<std::optional<double>>{0.5, std::nullopt, std::nullopt, std::nullopt});
     CHECK(found.pareto == std::vector<bool>{false, false, false, false});
     CHECK(sentences(found, spoilt, scene) ==
-          std::vector<std::string>{"nothing is recommended for " + quantity.title +
-                                   ": finer rungs have no number"});
+          std::vector<std::string>{"no recommendation for " + quantity.title +
+                                   ": the finer rungs have no value"});
     // Nothing is a number.
-    const std::vector<Result> lost = chain({{1, no_number}, {2, no_number}});
+    const std::vector<RungResult> lost = chain({{1, no_number}, {2, no_number}});
     CHECK_FALSE(errors(quantity, lost, {}).reference);
     CHECK(sentences(errors(quantity, lost, {}), lost, scene).empty());
   }
@@ -280,12 +280,12 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
   Measured none;
   none.numbers["J"] = 0;
   none.estimate = {1e-3, 1e-3, 0, 0};
-  const std::vector<Result> alone{{{1, 10, 1, scene::ContactScheme::contact_implicit}, none}};
+  const std::vector<RungResult> alone{{{1, 10, 1, scene::ContactScheme::contact_implicit}, none}};
   CHECK_FALSE(errors({"J", "J", ""}, alone, {}).estimate[0]);
 }
 
 TEST_CASE("a ladder that has run in part says no more than it knows", "[study]") {
-  std::vector<Result> results = runs(0.001, 2, 0.03, 1);
+  std::vector<RungResult> results = runs(0.001, 2, 0.03, 1);
   for (std::size_t i = 3; i < results.size(); ++i)
     results[i].measured.reset();
   const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
@@ -361,7 +361,7 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   }
 
   // Of 1 + 1/N and of 1 + tolerance, which is the square of their width: orders 1 and 2.
-  std::vector<Result> results;
+  std::vector<RungResult> results;
   for (int steps : {10, 20, 40})
     results.push_back(run(1, steps, steps, 1 + 1.0 / steps));
   for (int steps : {30, 60, 120}) {
@@ -401,7 +401,7 @@ TEST_CASE("graded meshes are a family of their own", "[study]") {
   CHECK_THROWS_AS(all_rungs(scene, {.graded = true}), UserError);
 
   // Of 1 + h and of 1 + h²/2.
-  std::vector<Result> results;
+  std::vector<RungResult> results;
   for (const double size : {1.0, 0.5, 0.25}) {
     results.push_back(run(size, 10, 1 / size, 1 + size));
     results.push_back(run(size, 10, 1 / size, 1 + size * size / 2));
@@ -438,7 +438,7 @@ TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in par
     scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
     scene.mesh.file = test::source(file);
     scene.mesh.size = size;
-    const Samples samples(MPI_COMM_WORLD, scene);
+    const SamplePoints samples(MPI_COMM_WORLD, scene);
     CHECK(samples.body.weights.size() >= per_cell * static_cast<std::size_t>(least));
     REQUIRE(samples.body.weights.size() > wanted); // coarser meshes were looked for
   }

@@ -75,7 +75,7 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
   CHECK(kept.measured->estimate->time == measured().estimate->time);
   CHECK(kept.measured->estimate->desired == measured().estimate->desired);
   CHECK(store.load(rung, own, {{"impulse", "impulse of contact", "N s"}}).unfit ==
-        "the impulse of contact was not measured");
+        "its stored results lack the impulse of contact");
 
   const std::filesystem::path file = std::filesystem::directory_iterator(folder / "study/rungs")->path();
   const std::string whole = content(file);
@@ -120,7 +120,7 @@ TEST_CASE("a search comes back to the last bit, where its fingerprint is the sam
   CHECK(csv(std::vector{*kept.cost}) == csv(std::vector{cost}));
   CHECK_FALSE(store.load(1e-5, own).cost);
   CHECK(store.load(cost.tolerance, {{"scene", ""}, {"method of the search", "newton-cg"}}).unfit ==
-        "the method of the search is another");
+        "the method of the search has changed");
   const std::filesystem::path file = std::filesystem::directory_iterator(folder / "study/rungs")->path();
   write(file, content(file).substr(1));
   CHECK(store.load(cost.tolerance, own).unfit.find("damaged") != std::string::npos);
@@ -152,10 +152,10 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   scene.mesh.file = folder / "block.geo";
   scene.objective->desired = scene::DesiredRun{folder / "run"};
-  const Samples at(MPI_COMM_SELF, test::parse(test::source("tests/data/block.toml")));
+  const SamplePoints at(MPI_COMM_SELF, test::parse(test::source("tests/data/block.toml")));
   const Fingerprint own = Origin(scene, at, 1).of(rung);
   CHECK(difference(own, Origin(scene, at, 1).of(rung)).empty());
-  CHECK(difference(own, Origin(scene, at, 2).of(rung)) == "the number of ranks was \"1\" and is \"2\"");
+  CHECK(difference(own, Origin(scene, at, 2).of(rung)) == "the number of ranks was \"1\", and now is \"2\"");
 
   const auto with = [&](auto&& change) {
     scene::Scene changed = scene;
@@ -163,7 +163,7 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
     return difference(own, Origin(changed, at, 1).of(rung));
   };
   CHECK(with([](scene::Scene& s) { s.materials[0].young = 51; }) ==
-        "the scene had material.young = 50 and has material.young = 51");
+        "the scene had material.young = 50, and now has material.young = 51");
   CHECK(with([](scene::Scene& s) { s.check.control = {"0", "1"}; }).find("check.control") !=
         std::string::npos);
   CHECK(with([](scene::Scene& s) { s.exact.emplace().pressure = "1"; }).find("exact.pressure") !=
@@ -177,16 +177,16 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
           s.mesh.size = 0.5, s.time.step = 0.01, s.time.steps = 60;
         }).empty()); // which the rung sets
 
-  Samples others = at;
+  SamplePoints others = at;
   others.digest = "of another mesh";
   CHECK(difference(own, Origin(scene, others, 1).of(rung)) ==
-        "the set of points where fields are compared is another");
+        "the set of points where fields are compared has changed");
   Fingerprint edited = own;
   edited["set of compiled forms"] = "edited";
-  CHECK(difference(own, edited) == "the set of compiled forms is another");
+  CHECK(difference(own, edited) == "the set of compiled forms has changed");
   edited = own;
   edited["program"] = "signorini 0";
-  CHECK(difference(edited, own).find("the program was \"signorini 0\" and is") == 0);
+  CHECK(difference(edited, own).find("the program was \"signorini 0\", and now is") == 0);
   {
     const test::Option option("-step_ksp_rtol", "1e-4");
     CHECK(difference(own, Origin(scene, at, 1).of(rung)).find("-step_ksp_rtol 1e-4") != std::string::npos);
@@ -200,12 +200,12 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
     write(file, before);
     return found;
   };
-  CHECK(edit(folder / "run/state.h5", "another") == "the run that objective.desired.run names is another");
+  CHECK(edit(folder / "run/state.h5", "another") == "the run that objective.desired.run names has changed");
   CHECK(edit(scene.mesh.file, content(scene.mesh.file) + "Point(9) = {9, 9, 0};\n") ==
-        "the mesh file is another");
-  CHECK(edit(folder / include, "Point(9) = {9, 9, 0};\n") == "the mesh file is another");
+        "the mesh file has changed");
+  CHECK(edit(folder / include, "Point(9) = {9, 9, 0};\n") == "the mesh file has changed");
   write(folder / "block.geo.opt", "Mesh.Algorithm = 1;\n");
-  CHECK(difference(own, Origin(scene, at, 1).of(rung)) == "the mesh file is another");
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)) == "the mesh file has changed");
   std::filesystem::remove(folder / "block.geo.opt");
   CHECK(difference(own, Origin(scene, at, 1).of(rung)).empty());
 }
@@ -214,7 +214,7 @@ TEST_CASE("sample points are told apart by the base mesh, its groups and the end
   const auto digest = [](const std::vector<std::string>& overrides) {
     return broadcast(
         MPI_COMM_WORLD,
-        Samples(MPI_COMM_WORLD, test::parse(test::source("tests/data/block.toml"), overrides)).digest);
+        SamplePoints(MPI_COMM_WORLD, test::parse(test::source("tests/data/block.toml"), overrides)).digest);
   };
   const std::string own = digest({});
   CHECK(own.size() == 16);

@@ -215,7 +215,7 @@ TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
       const diagnostics::Impact held = impact({other});
       CHECK(held.all.occurred());
       CHECK_FALSE(held.whole.restitution);
-      CHECK(held.no_restitution == "clamps hold the body against the obstacle");
+      CHECK(held.no_restitution == "clamps hold the body in the direction of the contact force");
     }
   }
 }
@@ -470,9 +470,9 @@ TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature 
     const auto lowest = std::ranges::min_element(pairs.psi()) - pairs.psi().begin();
     const auto spacing = [&](double radius, int most) { // a force whose Hertz zone has that radius
       const double force = 4 * modulus * radius * radius * radius / (3 * R);
-      return diagnostics::spacing_for(pairs, static_cast<int>(lowest), most, force, modulus);
+      return diagnostics::candidate_spacing(pairs, static_cast<int>(lowest), most, force, modulus);
     };
-    const diagnostics::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
+    const diagnostics::CandidateSpacing small = spacing(0.5, 1), large = spacing(30, 2);
     const double unit = *degree == '1' ? 1 : 0.5;
     CHECK((small.found > 0.6 * 3 * unit / 2 && small.found < 1.4 * 3));
     CHECK(std::abs(small.enough / (0.7 * 0.5) - 1) < 0.1); // the sphere's gap is no paraboloid, quite
@@ -484,10 +484,10 @@ TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature 
   const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
   const auto lowest = std::ranges::min_element(pairs.psi()) - pairs.psi().begin();
   const auto spacing = [&](double half, int most) {
-    return diagnostics::spacing_for(pairs, static_cast<int>(lowest), most,
-                                    std::numbers::pi * modulus * half * half / (4 * R), modulus);
+    return diagnostics::candidate_spacing(pairs, static_cast<int>(lowest), most,
+                                          std::numbers::pi * modulus * half * half / (4 * R), modulus);
   };
-  const diagnostics::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
+  const diagnostics::CandidateSpacing small = spacing(0.5, 1), large = spacing(30, 2);
   CHECK((small.found > 0.5 && small.found < 1.5));
   CHECK(std::abs(small.enough / (0.35 * 0.5) - 1) < 0.1);
   CHECK(std::abs(large.enough / (large.found * 0.4) - 1) < 1e-12);

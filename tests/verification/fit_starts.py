@@ -100,7 +100,7 @@ def test_end_of_the_scale_is_a_bound(tmp_path: Path) -> None:
     assert small["value"][0] == pytest.approx(none["value"][0], rel=1e-6, abs=0)
     assert small["standard_deviation"][1] == pytest.approx(none["standard_deviation"][1], rel=1e-5, abs=0)
     assert small["gradient"][1] == pytest.approx(none["gradient"][1], rel=1e-5, abs=0)
-    assert "decrement below tolerance" in done.stdout and "bulk fell to the end of its logarithmic scale" in done.stdout
+    assert "decrement below tolerance" in done.stdout and "bulk fell to the lower end of its logarithmic scale" in done.stdout
 
 
 def test_another_minimum_is_warned_of(tmp_path: Path) -> None:

@@ -13,15 +13,16 @@ using petsc::check;
 
 namespace {
 
-/// Relative error of a solve's displacements, the sum of two. Rounding is 1e3 times the machine epsilon,
-/// which backward errors of factorisations do not reach. The solver's tolerance bounds the energy norm; it is
-/// multiplied by a factor, since the error of a single node may be larger.
+/// Relative error of the displacements from a solve: rounding error plus the error due to an iterative
+/// solver. The rounding error is taken as 1e3 times the machine epsilon, more than the backward error of
+/// factorisations. The solver's tolerance, which bounds the energy norm, is multiplied by a factor, since a
+/// single node may have a larger error.
 double accuracy(double tolerance) {
   constexpr double rounding = 1e3 * std::numeric_limits<double>::epsilon(), share = 100;
   return rounding + share * tolerance;
 }
 
-/// Multipliers and gaps of a group, with its law.
+/// Multipliers, gaps and law of a group.
 struct Values {
   const Law& law;
   std::size_t size;
@@ -44,9 +45,9 @@ Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Ma
   stiffness_.resize(static_cast<std::size_t>(rows.groups())); // normals alone
 }
 
-double Complementarity::negligible_gap(double deepest, double size) const {
+double Complementarity::negligible_gap(double deepest_gap, double displacement) const {
   constexpr double relative = 1e-10; // rounding of S times its condition number, as below
-  return std::max(std::min(gap_tolerance_, relative * deepest), accuracy(0) * size);
+  return std::max(std::min(gap_tolerance_, relative * deepest_gap), accuracy(0) * displacement);
 }
 
 double Complementarity::negligible_motion(std::span<const double> lambda, double size,
@@ -95,8 +96,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   }
   if (!holds_to(gap_tolerance_, motion, state.lambda, state.gap))
     throw SolverFailure(fmt::format("the contact solution is not complementary. Penetration {:.3e} m, force "
-                                    "at a gap of {:.3e} m (limit {:.3e} m). Adhesion moves a node by {:.3e} "
-                                    "m (limit {:.3e} m); {} of {} candidates are strongly active",
+                                    "at a gap of {:.3e} m (limit {:.3e} m). Pulling forces move a node by "
+                                    "{:.3e} m (limit {:.3e} m); {} of {} candidates are strongly active",
                                     penetration, distance, gap_tolerance_, adhesion, motion,
                                     state.count(Status::strong), stiffness_.size()));
   for (std::size_t i = 0; i < stiffness_.size(); ++i)

@@ -5,47 +5,51 @@
 
 namespace signorini::contact {
 
-/// Classifies candidates as open, weakly or strongly active (4.36), and throws SolverFailure unless the state
-/// is complementary. Thresholds for zero are relative to the quantities of the step itself, by rounding or an
-/// iterative solver's tolerance. Fixed thresholds would fail: contact forces λ are τ²/2 times forces, and in
-/// short steps the weight of a body moves its nodes by less than any fixed part of its diameter.
+/// Classifies candidates as open, weakly active or strongly active (4.36), and checks that gaps and forces
+/// are complementary. What counts as zero is measured relative to the quantities of the step itself, by
+/// rounding errors or by the tolerance of an iterative solver. Fixed thresholds would fail: the multipliers λ
+/// are τ²/2 times forces, and in short steps its weight moves the nodes of a body by less than any fixed
+/// fraction of its diameter.
 class Complementarity {
 public:
-  /// Takes the body's diameter (m) and step operator D. Collective. `rows` must outlive this object.
+  /// `diameter`: diameter of the body, m; `D`: step operator. `rows` must outlive this object. Collective.
   Complementarity(const ConstraintRows& rows, double diameter, Mat D);
 
-  /// Sets status and linearisation of `state` from its λ and gaps and the step's solution y, whose relative
-  /// error from the solver is `tolerance`, 0 for rounding alone. Collective. Throws SolverFailure if λ
-  /// and gaps are not all finite or not complementary.
+  /// Sets the status and the linearisation of `state` from its multipliers λ and gaps. `y`: solution of the
+  /// step; `tolerance`: relative error of y due to an iterative solver, 0 for a direct one. Collective.
+  /// Throws SolverFailure if λ and gaps are not all finite or not complementary.
   void classify(ContactState& state, Vec y, double tolerance = 0) const;
 
-  /// Penetration (m) that rounding may leave, for displacements of `size` (m) and a penetration without
-  /// contact forces of at most `deepest` (m).
-  [[nodiscard]] double negligible_gap(double deepest, double size) const;
+  /// Penetration (m) that rounding errors may cause. `deepest_gap`: largest penetration without contact
+  /// forces, m; `displacement`: largest displacement, m.
+  [[nodiscard]] double negligible_gap(double deepest_gap, double displacement) const;
 
-  /// Whether g ≥ 0, λ ≥ 0 and one of them is zero, up to a `negligible` gap (m) and up to forces that are
-  /// negligible for displacements of `size` (m) found with the relative `tolerance`.
+  /// Whether the laws of all candidates are satisfied, for unilateral contact g ≥ 0, λ ≥ 0 and one of them
+  /// zero. Gaps up to `negligible` (m) count as zero, as do forces within the error of a solve with
+  /// displacements up to `size` (m) and the relative error `tolerance`.
   [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap, double negligible,
                            double size, double tolerance = 0) const {
     return holds_to(negligible, negligible_motion(lambda, size, tolerance), lambda, gap);
   }
 
-  /// Whether g ≥ 0, λ ≥ 0 and one of them is zero, up to a `negligible` gap (m) and up to forces that move
-  /// their node alone by less than that.
+  /// Whether the laws of all candidates are satisfied, for unilateral contact g ≥ 0, λ ≥ 0 and one of them
+  /// zero. Gaps up to `negligible` (m) count as zero, as do forces that would move their node alone by at
+  /// most this length.
   [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
                                   std::span<const double> gap) const {
     return holds_to(negligible, negligible, lambda, gap);
   }
 
 private:
-  /// Motion (m) of a node alone, the others fixed, below which the force that causes it counts as zero.
+  /// Length (m) for zero forces: a force counts as zero if it would move its node by less, with all other
+  /// nodes fixed.
   [[nodiscard]] double negligible_motion(std::span<const double> lambda, double size, double tolerance) const;
   [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
                               std::span<const double> gap) const;
 
   const ConstraintRows& rows_;
   double diameter_, gap_tolerance_;
-  std::vector<double> stiffness_; ///< stiffness (m) of D for a candidate's node moved alone in its direction
+  std::vector<double> stiffness_; ///< stiffness of D against moving one candidate's node alone (m entries)
 };
 
 } // namespace signorini::contact

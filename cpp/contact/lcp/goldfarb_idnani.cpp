@@ -10,7 +10,8 @@ namespace signorini::contact {
 
 namespace {
 
-/// A run of the method: the problem and the iterate. The set has the order of the factor of S_AA.
+/// One run of the method: the problem and the iterate. The members of the set are in the order of the factor
+/// of S_AA.
 class Search {
 public:
   Search(const Columns& S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
@@ -21,7 +22,7 @@ public:
     std::ranges::fill(lambda_, 0);
   }
 
-  /// The open candidate with the least gap below −tolerance; m if there is none.
+  /// Number of the open candidate with the least gap below −tolerance; m if there is none.
   [[nodiscard]] std::size_t deepest(double tolerance) const {
     std::size_t j = gap0_.size();
     double least = -tolerance;
@@ -31,8 +32,8 @@ public:
     return j;
   }
 
-  /// Raises λ_j until gap j is closed or the force of a candidate of the set falls to zero, which then leaves
-  /// the set. Returns whether gap j is closed, or nothing if no force closes it.
+  /// Raises λ_j until gap j closes or the force of a candidate of the set becomes zero; this candidate then
+  /// leaves the set. Returns whether gap j is closed, or nothing if no force can close it.
   std::optional<bool> raise(std::size_t j, bool dependent) {
     take_column(j);
     factor_.solve(r_);
@@ -61,7 +62,7 @@ public:
     return false;
   }
 
-  /// Adds j to the set, and computes λ anew, so that rounding does not accumulate.
+  /// Adds j to the set, and recomputes λ from the factor, so that rounding errors do not accumulate.
   void add(std::size_t j) {
     take_column(j);
     if (!factor_.append(r_, entry(j, j)))
@@ -85,7 +86,7 @@ private:
       g += entry(j, i) * lambda_[i];
     return g;
   }
-  /// r ← S_Aj.
+  /// Sets r to the column S_Aj.
   void take_column(std::size_t j) {
     r_.clear();
     for (int i : set_)
@@ -111,7 +112,7 @@ bool goldfarb_idnani(const Columns& S, std::span<const double> gap0, double tole
     for (bool closed = false; !closed;) {
       if (++steps > most)
         throw SolverFailure(
-            fmt::format("the active set did not settle in {} steps: {} of {} candidates closed", most,
+            fmt::format("the active set did not settle in {} iterations: {} of {} candidates closed", most,
                         set.size(), gap0.size()));
       const std::optional<bool> raised = search.raise(j, depends(set, static_cast<int>(j)));
       if (!raised)

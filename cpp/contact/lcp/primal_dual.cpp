@@ -11,8 +11,8 @@ namespace signorini::contact {
 
 namespace {
 
-/// Makes the candidates of one cluster, those of `set` from `begin` on, independent by the ratio test of
-/// next_set().
+/// Makes the candidates of one cluster linearly independent by the ratio test of next_set(). These candidates
+/// are the members of `set` from position `begin` on.
 void exchange(const ConstraintRows& rows, std::span<const double> lambda, ActiveSet& set, std::size_t begin) {
   RowBasis basis(rows);
   RowBasis::Coordinates part = basis.coordinates(); // coefficients of the members in the direction of i
@@ -38,7 +38,7 @@ void exchange(const ConstraintRows& rows, std::span<const double> lambda, Active
   std::sort(set.begin() + static_cast<std::ptrdiff_t>(begin), set.end());
 }
 
-/// Replaces the candidates of candidate i's cluster in `set` by those in `other`.
+/// Replaces the members of `set` that are in candidate i's cluster by the members of `other` in this cluster.
 void take_cluster(const ConstraintRows& rows, const ActiveSet& other, int i, ActiveSet& set) {
   const ConstraintRows::Cluster& here = rows.cluster(i);
   const auto part = [&](auto& all) {
@@ -96,7 +96,8 @@ void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const 
 void BlockPivoting::advance(ActiveSet& set, ActiveSet& next, ActiveSet& wrong) {
   constexpr int most = 1000;
   if (++steps_ > most)
-    throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
+    throw SolverFailure(fmt::format("the active set did not settle in {} iterations: {} of {} candidates "
+                                    "closed",
                                     most, set.size(), rows_.count()));
   wrong.clear();
   std::ranges::set_symmetric_difference(set, next, std::back_inserter(wrong));

@@ -5,33 +5,36 @@
 
 namespace signorini::contact {
 
-/// Whether the direction of candidate i depends linearly on those of its cluster in an independent set, which
-/// may be in any order.
+/// Whether the force direction of candidate i depends linearly on those of the candidates in its cluster that
+/// are in `set`. The set must be linearly independent and may be in any order.
 [[nodiscard]] bool depends(const ConstraintRows& rows, const ActiveSet& set, int i);
 
-/// Removes candidates that depend on earlier ones of their node.
+/// Removes candidates from an ascending set that depend linearly on earlier ones of their cluster.
 void drop_dependent(const ConstraintRows& rows, ActiveSet& set);
 
-/// The next set of a primal-dual step, independent, from the solution on an independent `set`: closed
-/// candidates with λ > 0 and open ones with g < 0 (Hintermüller, Ito, Kunisch 2003). A candidate that depends
-/// on others of its cluster replaces the one whose force falls to zero first as its own grows (ratio test).
+/// Computes the active set that follows `set` in a primal-dual step, from the solution on `set` (linearly
+/// independent, ascending). `next` contains the closed candidates with λ > 0 and the open ones with g < 0
+/// (Hintermüller, Ito, Kunisch 2003), and is made linearly independent. A candidate that depends on others of
+/// its cluster replaces the one whose force becomes zero first when its own force grows (ratio test).
 void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const double> lambda,
               std::span<const double> gap, ActiveSet& next);
 
-/// Block principal pivoting (Júdice, Pires 1994): whole primal-dual steps as long as the number of candidates
-/// on the wrong side reaches a new minimum every few steps. Otherwise one node at a time is changed,
-/// that of the last candidate on the wrong side, which ends after finitely many steps (Murty 1974).
+/// Block principal pivoting (Júdice, Pires 1994) for one solve. It takes whole primal-dual steps as long as
+/// the number of candidates that a step would change reaches a new minimum every few steps. Otherwise it
+/// changes one cluster at a time, that of the last candidate to change, which ends after finitely many steps
+/// (Murty 1974).
 class BlockPivoting {
 public:
-  /// `rows` must outlive this object.
+  /// Starts pivoting for one solve. `rows` must outlive this object.
   explicit BlockPivoting(const ConstraintRows& rows) : rows_(rows) {}
 
-  /// Whether the next step is a whole one.
+  /// Whether the next step changes all candidates at once (a whole primal-dual step).
   [[nodiscard]] bool whole() const { return left_ > 0; }
   [[nodiscard]] int steps() const { return steps_; }
 
-  /// Replaces `set` by the next one to try. On entry `next` is the set of a primal-dual step from `set`; on
-  /// return it is scratch, like `wrong`. Throws SolverFailure after too many steps.
+  /// Replaces `set` by the next active set to try. On entry `next` is the set that a primal-dual step
+  /// computes from `set`. On return `next` and `wrong` are scratch. Throws SolverFailure after too many
+  /// steps.
   void advance(ActiveSet& set, ActiveSet& next, ActiveSet& wrong);
 
 private:

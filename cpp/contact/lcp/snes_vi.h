@@ -5,21 +5,21 @@
 
 namespace signorini::contact {
 
-/// Solves the variational inequality of a matrix K with simple bounds by PETSc's reduced-space Newton method
-/// (Benson, Munson 2006): find lower ≤ x ≤ upper with K x + c zero between the bounds, ≥ 0 at the lower and ≤
-/// 0 at the upper one. The problem must be given in units in which a distance to a bound and a residual of
-/// one are negligible: those below a thousandth count as zero.
+/// Solves a variational inequality with simple bounds by PETSc's reduced-space Newton method (Benson, Munson
+/// 2006): find x with lower ≤ x ≤ upper for which K x + c is zero between the bounds, ≥ 0 at a lower bound
+/// and ≤ 0 at an upper bound. Scale the problem so that a distance of 1 from a bound and a residual of 1 are
+/// negligible: the method treats values below a thousandth as zero.
 class SnesVi {
 public:
   /// Takes ownership of the bounds; `K` must outlive this object unchanged. PETSc options with the prefix
-  /// `-<name>_` are honoured; `package` is the default one for factorising submatrices of K. Collective.
+  /// `-<name>_` are honoured. `package`: default package for factorising submatrices of K. Collective.
   SnesVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
 
   /// Solves for `x`, starting from its value on entry. Returns the number of Newton steps. Collective. Throws
-  /// SolverFailure with reason and residual.
+  /// SolverFailure that states the reason and the residual.
   int solve(Vec c, Vec x) const;
 
-  /// K x + c of the last solution.
+  /// K x + c for the last solution x.
   [[nodiscard]] Vec residual() const { return residual_; }
   [[nodiscard]] Vec upper() const { return upper_; }
 

@@ -16,7 +16,7 @@ using petsc::check;
 
 namespace {
 
-/// The deepest predicted penetration, m.
+/// Largest predicted penetration, m; 0 if there is none.
 double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges::min(gap0)); }
 
 } // namespace
@@ -322,7 +322,8 @@ void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work)
     if (settled())
       return;
   }
-  throw SolverFailure(fmt::format("the contact laws of {} candidates did not settle in {} Newton steps",
+  throw SolverFailure(fmt::format("the contact laws of {} candidates "
+                                  "did not converge in {} Newton iterations",
                                   rows_.groups(), state.vi_iterations));
 }
 

@@ -14,8 +14,8 @@ using petsc::check;
 
 namespace {
 
-/// An orthonormal frame (dim × dim, row by row) whose column `axis` is n / `length`: the Householder
-/// reflection that maps this axis to ±n. Components in which n is zero are unchanged.
+/// Orthonormal frame (dim × dim, row by row) whose column `axis` is n / `length`, by the Householder
+/// reflection that maps this axis to ±n. Components in which n is zero are not mixed with others.
 std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
   std::array<double, 3> w{};
   const double sign = n[axis] >= 0 ? 1 : -1; // avoids cancellation
@@ -29,7 +29,7 @@ std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
   return F;
 }
 
-/// Index of the largest component of each candidate's direction.
+/// For each candidate, the index of the largest component of its force direction.
 std::vector<int> largest_components(const ContactPairs& pairs) {
   std::vector<int> axes;
   for (int i = 0; i < pairs.count(); ++i) {
@@ -49,7 +49,7 @@ std::vector<double> lengths(const ContactPairs& pairs) {
   return lengths;
 }
 
-/// Throws UserError if a node has several candidates.
+/// Throws UserError if a node has several candidates, so that its constraints are not simple bounds.
 void require_bounds(const ContactPairs& pairs) {
   if (!pairs.rows().symmetric() || pairs.rows().count() > pairs.count())
     throw std::logic_error("the full VI is that of bounds on single gaps");
@@ -59,7 +59,7 @@ void require_bounds(const ContactPairs& pairs) {
   if (several == clusters.end())
     return;
   throw UserError(fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, but the full "
-                              "VI takes one per node; set it to \"condensed\"",
+                              "VI takes one obstacle per node; set solver.vi to \"condensed\"",
                               several->last - several->first,
                               point_text(&pairs.points()[3 * static_cast<std::size_t>(several->first)])));
 }

@@ -6,12 +6,13 @@
 
 namespace signorini::contact {
 
-/// Solves contact steps without a factor of D and without S (docs/method.md section 5): by conjugate
-/// gradients on the motions that keep the gaps of a set closed. Primal-dual steps update the set. It is
-/// checked before a solve has converged, to end the solve early if the set will change.
+/// Solves contact steps without a factor of D and without S (docs/method.md section 5), by conjugate
+/// gradients on the motions that keep the gaps of a set closed. Primal-dual steps update the set. Already
+/// during a solve the set is checked, and the solve ends early if the set will change.
 class ProjectedSolver final : public ContactStepSolver {
 public:
-  /// Takes the body's diameter (m); `matrix` is D. Collective. The arguments must outlive this object.
+  /// `diameter`: that of the body, m; `matrix`: the matrix D. The arguments must outlive this object.
+  /// Collective.
   ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D, Mat matrix);
 
   [[nodiscard]] Workspace workspace() const override { return Workspace(rows_.count()); }
@@ -23,7 +24,7 @@ public:
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:
-  /// Computes λ and g of a motion y that keeps the gaps of work.set closed, and the next set, work.next.
+  /// Computes λ and g for a motion y that keeps the gaps of work.set closed, and the next set, work.next.
   /// Collective.
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
 
@@ -31,10 +32,10 @@ private:
   const ConjugateGradients& D_;
   Mat matrix_;
   Complementarity complementarity_;
-  const std::vector<double> zero_; ///< zeros (m)
-  double gap_tolerance_;           ///< m
+  const std::vector<double> zero_; ///< zeros, one for each row
+  double gap_tolerance_;           ///< accepted penetration, m
   petsc::Vector residual_;
-  petsc::Vector diagonal_; ///< diagonal of D if components of candidates' nodes are clamped, else null
+  petsc::Vector diagonal_; ///< diagonal of D if a constrained dof is clamped, else null
 };
 
 } // namespace signorini::contact

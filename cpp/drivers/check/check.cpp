@@ -13,7 +13,7 @@ namespace signorini::drivers {
 
 namespace {
 
-/// Statistics of contact over a motion, frame by frame.
+/// Collects statistics of contact over a motion, frame by frame.
 class ContactWatch {
 public:
   explicit ContactWatch(const step::Stepper& stepper)
@@ -38,8 +38,8 @@ public:
   }
 
   int steps = 0, weak = 0, most = 0, projected = 0;
-  /// The largest work of contact in a step less that of the obstacles' motion, −2/τ² λ_k·(ψ_k − ψ_{k−1}): it
-  /// is −2/τ² λ_k·g(y_{k−1}) ≤ 0 (docs/method.md section 2).
+  /// Largest work of contact in a step, without the work of the obstacles' motion, −2/τ² λ_k·(ψ_k − ψ_{k−1}).
+  /// In theory the difference is −2/τ² λ_k·g(y_{k−1}) ≤ 0 (docs/method.md section 2).
   double work = 0;
 
 private:
@@ -48,7 +48,8 @@ private:
   std::vector<double> before_;
 };
 
-/// Adds the rows of a whole motion: energy law, momentum, complementarity, contact. Throws Interrupted.
+/// Simulates a motion and adds rows for its energy law, momentum, complementarity and contact. Throws
+/// Interrupted.
 void invariants(const problem::Problem& problem, const step::ForceAtStep& load, std::vector<CheckRow>& rows) {
   const contact::ContactPairs* pairs = problem.stepper.pairs();
   std::optional<ContactWatch> contact;
@@ -76,13 +77,13 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
   rows.push_back({"contact occurred",
                   contact->steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all",
                                                    contact->steps, contact->most, contact->weak)
-                                     : "never: this checks nothing of contact",
-                  "in one step at least", contact->steps > 0});
+                                     : "never; contact is not checked",
+                  "in at least one step", contact->steps > 0});
   // Predictors move without forces: for a body that stays in contact they may never enter an obstacle.
   const bool rests = contact->steps == problem.steps();
   if (problem.stepper.predictor() && (contact->projected > 0 || !rests))
     rows.push_back({"the predictor was projected", fmt::format("in {} steps", contact->projected),
-                    "in one step at least", contact->projected > 0});
+                    "in at least one step", contact->projected > 0});
   if (contact->steps == 0)
     return;
   rows.push_back(below(pairs->moving() ? "contact adds no work to the obstacles', work / largest energy"
@@ -98,7 +99,7 @@ bool check_scene(problem::Problem& problem, const Console& console) {
   std::vector<CheckRow> rows;
   std::string advice;
   if (scene.contacts.empty())
-    console.line("The scene has no contact: what follows checks a linear problem.");
+    console.line("The scene has no contact: the checks are those of a linear problem.");
   if (!scene.unknowns.empty()) {
     problem::ParameterProblem fit(problem.discretisation, scene, problem.timers);
     print_table_warnings(fit.misfit.warnings(), console);
@@ -118,7 +119,7 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     problem::ControlProblem control_problem(problem, console);
     std::string where;
     const control::Control u = evaluation_point(problem, control_problem, where);
-    console.line(fmt::format("Derivatives at {}.", where));
+    console.line(fmt::format("Derivatives are checked at {}.", where));
     advice =
         check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
     invariants(problem, control_problem.reduced.load(), rows);
@@ -138,8 +139,8 @@ bool check_scene(problem::Problem& problem, const Console& console) {
                                              : "All checks hold, contact included.")
                    : "A check failed.");
   if (all && !advice.empty())
-    console.line("But the derivatives are those of changes too small to be of use to a search: " + advice +
-                 ".");
+    console.line(
+        "But the derivatives hold only for changes of the control too small for a search: " + advice + ".");
   return all;
 }
 

@@ -6,8 +6,8 @@
 namespace signorini::drivers {
 
 /// Runs the verb check: checks the derivatives and the discrete invariants of a scene, prints a table, and
-/// returns whether all rows pass. A contact scene whose body never touches the obstacle fails, since contact
-/// remains unchecked. Collective. Throws UserError, SolverFailure, Interrupted.
+/// returns whether all rows pass. If a scene has contact but the body never touches an obstacle, the check
+/// fails. Throws UserError, SolverFailure, Interrupted. Collective.
 bool check_scene(problem::Problem& problem, const Console& console);
 
 } // namespace signorini::drivers

@@ -20,7 +20,7 @@ CheckRow below(const std::string& name, double value, double limit) {
 
 namespace {
 
-/// The number of candidates in exactly one of two ascending sets.
+/// Number of candidates that are in exactly one of two ascending sets.
 int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
   contact::ActiveSet difference;
   std::ranges::set_symmetric_difference(a, b, std::back_inserter(difference));
@@ -41,7 +41,7 @@ Switches switches(const ContactHistory& a, const ContactHistory& b) {
 
 namespace {
 
-/// Smooth duals of the states, not proportional to a derivative of J.
+/// Smooth test duals for the states, which are not proportional to a derivative of J.
 class Waves final : public step::StateDuals {
 public:
   explicit Waves(const control::ControlSpace& controls)
@@ -81,8 +81,8 @@ public:
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      console_.line(fmt::format("Contact is weak {} times (nodes × steps): closed, but without force. J may "
-                                "have a kink here, with one-sided slopes alone.",
+      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (nodes × "
+                                "steps). J may have a kink here, with one-sided slopes only.",
                                 weak));
       const double plus = slope(Side::plus, rows);
       kink(plus, slope(Side::minus, rows));
@@ -95,7 +95,7 @@ public:
       judge(derivative);
   }
 
-  /// Advice on changing the scene; empty if none is needed.
+  /// Advice on changing the scene; empty if no change is needed.
   [[nodiscard]] const std::string& advice() const { return advice_; }
 
 private:
@@ -117,15 +117,15 @@ private:
     return forward.defect(controls_.product(problem_.adjoint({controls_.space(), waves}), d_));
   }
 
-  /// The sides of u on which J is compared with its slope; J is smooth there up to u.
+  /// Sides of u on which differences of J are compared with the slope of J at u.
   enum class Side { both, plus, minus };
 
-  /// Relative difference allowed between a sweep and its transpose: rounding, and a few times the tolerance
-  /// of an iterative solver in each step.
+  /// Admissible relative difference between a sweep and its transpose: rounding, and a multiple of the
+  /// solver's tolerance for each step.
   [[nodiscard]] double sweeps_leave() const { return 1e-12 + 10 * controls_.steps() * solver_tolerance_; }
-  /// Relative error of J or of a gradient: the rounding of N steps adds up like √N. A step costs up to 80
-  /// epsilon (a flat bar without viscosity in contact); about ten times that is allowed. y − y_d has the
-  /// rounding of y.
+  /// Admissible relative rounding error of J or of a gradient. The rounding of N steps grows like √N. One
+  /// step contributes up to 80 machine epsilons (flat bar in contact, without viscosity); about ten times as
+  /// many are admitted. y − y_d has the rounding of y, hence the factor for cancellation.
   [[nodiscard]] double rounding() const {
     return cancellation_ * std::sqrt(static_cast<double>(controls_.steps())) *
            (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance_);
@@ -195,7 +195,7 @@ private:
       rows.push_back(
           {"Taylor order" + along, fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
     } else if (within == 0) {
-      rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});
+      rows.push_back({difference, "active sets change at every size", "a size that keeps them", false});
     } else {
       const Fit fit = fitted(side, within);
       rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion.value - 1),
@@ -207,9 +207,9 @@ private:
     double slope, rounding;
   };
 
-  /// Fits J's slope at u by a parabola through nine evenly spaced values within `within`, where the active
-  /// sets are unchanged and J is a parabola up to rounding. The residuals yield the rounding of the values,
-  /// and thus the error of the slope.
+  /// Fits a parabola to nine evenly spaced values of J along d, at relative distances of at most `within`
+  /// from u. The active sets are unchanged there, so that J is a parabola up to rounding. Returns the slope
+  /// at u, and the slope's rounding error, estimated from the residuals.
   Fit fitted(Side side, double within) {
     constexpr int half = 4;
     constexpr double squares = 60, mean_square = 20.0 / 3,
@@ -237,7 +237,7 @@ private:
     return {(linear + 2 * start * quadratic) / std::abs(spacing), weights * each / std::abs(spacing)};
   }
 
-  /// Candidates in weak contact, over all steps.
+  /// Number of weakly active candidates, summed over all steps.
   [[nodiscard]] int weak_candidates() const {
     int weak = 0;
     for (const contact::ContactLinearisation& state : problem_.trajectory().contact())
@@ -250,9 +250,10 @@ private:
     constexpr double smooth = 1e-9;
     console_.line(
         kink > smooth
-            ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient gives both.",
+            ? fmt::format("Verdict: J has a kink along d. Its one-sided slopes differ by {:.3g} %; no "
+                          "gradient gives both.",
                           100 * kink)
-            : std::string("Verdict: no kink along d."));
+            : std::string("Verdict: J has no kink along d."));
   }
 
   bool same_sets_at(double epsilon, const ContactHistory& contact) {
@@ -268,8 +269,8 @@ private:
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
 
-  /// The largest of `from` · 10^(−j/2), j = 0, 1, …, at which the active sets are these, on the sides
-  /// compared; 0 if there is none above rounding.
+  /// Largest ε of `from` · 10^(−j/2), j = 0, 1, …, for which the motions at u ± ε d (on the sides compared)
+  /// have the active sets of `contact`; 0 if no ε above rounding qualifies.
   double invariance_radius(Side side, const ContactHistory& contact, double from) {
     constexpr double rounding = 1e-12;
     for (double epsilon = from; epsilon > rounding; epsilon /= std::sqrt(10))
@@ -279,16 +280,17 @@ private:
     return 0;
   }
 
-  /// Row for a difference quotient, which passes up to its rounding error.
+  /// Makes a row for the deviation `value` of a difference quotient; the row passes if `value` is at most the
+  /// quotient's rounding error, and fails if that error is too large to be useful.
   static CheckRow beyond_rounding(const std::string& name, double value, double rounding) {
     constexpr double useless = 1e-3;
     if (rounding > useless)
-      return {name, "lost in rounding", "sets kept within more", false};
+      return {name, "lost in rounding", "unchanged sets in a wider range", false};
     return below(name, value, rounding);
   }
 
-  /// Prints the range in which the derivative is valid. It is exact while no active set changes, and useful
-  /// only if J has the same slope over relevant changes of the control.
+  /// Prints the range in which the derivative along d is valid. The derivative is exact as long as no active
+  /// set changes, but useful only if J has the same slope over relevant changes of the control.
   void judge(double slope) {
     constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
     const double above = problem_.value(moved(macroscopic));
@@ -299,29 +301,33 @@ private:
     const double radius = kept_size_;
     const trajectory::Margins margin = problem_.trajectory().margins();
     console_.line(
-        fmt::format("Active sets stay the same within {:.1e} of the control. Least force on a closed "
-                    "candidate: {:.1e} of the largest; least gap of an open one: {:.1e} m.\nThe derivative "
-                    "along d is {:.6e}; over +- {} d, with {} changes of the sets, J has the slope {:.6e}.",
+        fmt::format("Active sets stay the same for relative changes of the control up to {:.1e}. Least force "
+                    "on a closed candidate: {:.1e} of the largest; least gap of an open one: {:.1e} m.\nThe "
+                    "derivative along d is {:.6e}; over +- {} d, with {} changes of active sets, J has the "
+                    "mean slope {:.6e}.",
                     radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
     if (off <= alike) {
       console_.line(radius > narrow
-                        ? "Verdict: exact, and what larger changes of the control see."
-                        : fmt::format("Verdict: exact, but valid only within {:.1e}: the contact chatters; "
-                                      "larger changes of the control see the same slope, though.",
+                        ? "Verdict: the derivative is exact, and holds for larger changes of the control too."
+                        : fmt::format("Verdict: the derivative is exact, but only for relative changes of "
+                                      "the control below {:.1e}: the contact chatters. Larger changes of the "
+                                      "control nevertheless give the same slope.",
                                       radius));
       return;
     }
     advice_ = diagnostics::calmer_contact(problem_.stepper());
-    console_.line(fmt::format("Verdict: exact, but valid only within {:.1e}: {}, and larger changes of the "
-                              "control see a slope that differs by {:.0f} %; {}.",
-                              radius, radius > narrow ? "beyond it contact changes" : "the contact chatters",
+    console_.line(fmt::format("Verdict: the derivative is exact, but only for relative changes of the "
+                              "control below {:.1e}: {}. Larger changes of the control give a slope that "
+                              "differs by {:.0f} %; {}.",
+                              radius,
+                              radius > narrow ? "beyond that limit contact changes" : "the contact chatters",
                               100 * off, advice_));
   }
 
   void hessian(std::vector<CheckRow>& rows) {
     const std::string name = "Hessian product against differences of gradients";
     if (kept_size_ == 0) {
-      rows.push_back({name, "no size keeps the active sets", "a size that keeps them", false});
+      rows.push_back({name, "active sets change at every size", "a size that keeps them", false});
       return;
     }
     const control::Control h = problem_.l2_hessian_product(d_);
@@ -345,8 +351,7 @@ private:
   const Console& console_;
   double objective_ = 0;
   double cancellation_ = 1;
-  double kept_size_ =
-      0; ///< the invariance radius: the largest size that keeps the active sets on the sides compared
+  double kept_size_ = 0; ///< invariance radius: largest relative change along d that keeps the active sets
   std::string advice_;
 };
 

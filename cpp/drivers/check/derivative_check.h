@@ -7,28 +7,29 @@
 
 namespace signorini::drivers {
 
-/// Row of check's table.
+/// Row of the table that the verb check prints.
 struct CheckRow {
-  std::string name, measured, allowed;
-  bool holds;
+  std::string name, measured, allowed; ///< what is checked, its value and its limit, as text
+  bool holds;                          ///< whether the check passes
 };
 
-/// Row that passes if `value` is at most `limit`.
+/// Makes a row that passes if `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
-using ContactHistory = std::vector<contact::ContactLinearisation>;
+using ContactHistory = std::vector<contact::ContactLinearisation>; ///< contact in all steps of a motion
 
-/// Changes of candidates between active and open from one motion to another, those of projected predictors
-/// included.
+/// Differences between the active sets of two motions.
 struct Switches {
-  int steps = 0, candidates = 0;
+  int steps = 0, candidates = 0; ///< steps with a difference; differing candidates, summed over the steps
 };
+/// Counts the differences between the active sets of two motions, including the active sets of projected
+/// predictors.
 Switches switches(const ContactHistory& a, const ContactHistory& b);
 
-/// Compares the derivatives of J at u with differences of J, prints the range in which they are valid, and
-/// adds rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns advice if
-/// exact derivatives are useless because J has other slopes over larger changes of the control; else an empty
-/// text. Collective. Throws SolverFailure, Interrupted.
+/// Compares the derivatives of J at u with differences of J, prints the range in which the derivatives are
+/// valid, and adds rows to the table. `solver_tolerance`: relative error of the linear solves in a step.
+/// Returns advice if the derivatives are exact but useless, since J has other slopes over larger changes of
+/// the control; else an empty text. Throws SolverFailure, Interrupted. Collective.
 std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
                               double solver_tolerance, const Console& console, std::vector<CheckRow>& rows);
 

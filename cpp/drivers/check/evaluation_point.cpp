@@ -33,7 +33,7 @@ control::Control evaluation_point(const problem::Problem& problem,
     return control_problem.controls.interpolate(*scene.check.control, "check.control");
   }
   if (control_problem.reference) {
-    description = "the reference control, disturbed by a fifth of its size";
+    description = "the reference control, disturbed by a fifth of its norm";
     control::Control u = *control_problem.reference;
     constexpr int which = 2;
     const control::ControlSpace& controls = control_problem.controls;

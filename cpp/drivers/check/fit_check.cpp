@@ -41,8 +41,8 @@ public:
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
       weak += contact.weak.size();
     if (weak > 0)
-      console_.line(fmt::format("Contact is weak {} times (nodes × steps): closed, but without force. J may "
-                                "have a kink at the first guess.",
+      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (nodes × "
+                                "steps). J may have a kink at the first guess.",
                                 weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
       jacobian(j, {&linearised.jacobian[j * m], m}, rows);
@@ -54,14 +54,15 @@ public:
   }
 
 private:
-  /// Difference allowed between the two gradients, by rounding and solvers. Forces, which are residuals, are
-  /// less accurate than motions, whose energy norm a solver controls: by the root of the condition, some ten.
+  /// Admissible relative difference between the two gradients, from rounding and solvers. Solvers control the
+  /// energy norm of motions. Forces are residuals and less accurate, by the root of the condition number,
+  /// about ten.
   [[nodiscard]] double sweeps_leave() const {
     constexpr double forces = 10;
     return forces * std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_;
   }
 
-  /// Size of a change of an unknown that changes the values by about as much as they are off.
+  /// Change of unknown j that changes the simulated values by about as much as they differ from the data.
   [[nodiscard]] double unit(std::size_t j) const {
     const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_), 1.0) / lengths_[j] : 1;
     return problem_.scene.unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
@@ -72,8 +73,8 @@ private:
     std::vector<double> residuals;
     bool kept; ///< whether the active sets are unchanged
   };
-  /// Evaluates J with one unknown changed; none beyond the bounds and where the scene is invalid, as with a
-  /// node inside an obstacle.
+  /// Evaluates J with unknown j changed by `change`; absent beyond the bounds, where the scene is invalid (as
+  /// with a node inside an obstacle), and where a step has no solution.
   [[nodiscard]] std::optional<Trial> at(std::size_t j, double change) const {
     std::vector<double> x = x_;
     x[j] += change;
@@ -89,8 +90,8 @@ private:
     }
   }
 
-  /// Compares a column of the Jacobian with central differences, of the best size that keeps the active sets
-  /// on both sides.
+  /// Compares a column of the Jacobian with central differences: the best agreement among differences of
+  /// several sizes that keep the active sets on both sides.
   void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
     const std::string name = fmt::format("values by {} against differences", problem_.scene.unknowns[j].name);
     double least = std::numeric_limits<double>::infinity();
@@ -109,7 +110,7 @@ private:
     constexpr double differences = 1e-6; // of second order, and rounding over the size
     rows.push_back(std::isfinite(least)
                        ? below(name, least, differences)
-                       : CheckRow{name, "no size keeps the active sets", "a size that keeps them", false});
+                       : CheckRow{name, "active sets change at every size", "a size that keeps them", false});
   }
 
   void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
@@ -139,12 +140,12 @@ private:
     }
     const std::string against = fmt::format("slope by {} against differences of J", name);
     if (widest == 0) {
-      rows.push_back({against, "no size keeps the active sets", "a size that keeps them", false});
+      rows.push_back({against, "active sets change at every size", "a size that keeps them", false});
       return;
     }
     const std::optional<Trial> above = at(j, widest), below_it = at(j, -widest);
     if (!above || !below_it || !below_it->kept) {
-      rows.push_back({against, "the sets change on the other side", "a size that keeps them", false});
+      rows.push_back({against, "active sets change on the other side", "a size that keeps them", false});
       return;
     }
     const double slope = (above->value - below_it->value) / (2 * widest), lost = rounding_ * here_ / widest,
@@ -158,7 +159,7 @@ private:
   control::ReducedProblem& reduced_;
   const Console& console_;
   std::vector<double> x_;
-  double here_;                 ///< J
+  double here_;                 ///< J at the start values
   std::vector<double> by_x_;    ///< dJ/dx
   double rounding_;             ///< relative rounding error of J
   std::vector<double> lengths_; ///< norms of the Jacobian's columns

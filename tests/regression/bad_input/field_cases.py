@@ -38,16 +38,16 @@ def expression_cases() -> list[Case]:
         edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
                "y = 0.5", at="", verb="optimize", earlier=True),
         edited("gravity of an expression of place", body, 'gravity = ["0", "-9.81*x"]', "load.gravity: found 0, -9.81*x",
-               "expressions of t alone", at="gravity ="),
+               "expressions in t only", at="gravity ="),
         edited("gravity as a number", body, "gravity = 9.81", "load.gravity: found 9.81", '["0", 9.81]', at="gravity ="),
         edited("gravity that is not finite", body, 'gravity = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.gravity: ", "is inf", at="",
                ranks=2),
         edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
-               "found a difference of 0.001", "clamp", "make them equal", at="", earlier=True),
+               "found values that differ by 0.001", "clamp", "make them equal", at="", earlier=True),
         edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
-               "initial.displacement", "found a difference of 0.001", "clamp", at="", ranks=2),
+               "initial.displacement", "found values that differ by 0.001", "clamp", at="", ranks=2),
         edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
-               "found a difference of 10", "clamp", "make them equal", at=""),
+               "found values that differ by 10", "clamp", "make them equal", at=""),
     ]
 
 
@@ -83,9 +83,9 @@ def time_series_cases() -> list[Case]:
         wrong("series that ends early", "from 0 to 0.0001 s", "0 to 0.00015 s", text="t,force\n0,1\n1e-4,1\n"),
         wrong("series that starts late", "from 1e-05 to 1 s", text="t,force\n1e-5,1\n1,1\n"),
         wrong("series with decimal commas", '"2,5" in column 2', "decimal point", text="t;force\n0;1\n1;2,5\n"),
-        wrong("series with decimal commas between commas", "line 3: found 4 cells below 2 names", "decimal point",
+        wrong("series with decimal commas between commas", "line 3: found 4 cells below 2 column names", "decimal point",
               text="time,force\n0,0\n1,0,-1,5\n"),
-        wrong("series with decimal commas between commas, two ranks", "line 3: found 4 cells below 2 names",
+        wrong("series with decimal commas between commas, two ranks", "line 3: found 4 cells below 2 column names",
               text="time,force\n0,0\n1,0,-1,5\n", ranks=2),
         wrong("series with thousands separators", 'line 3: found "-1,000" in column 2', text='time,force\n0,0\n1,"-1,000"\n'),
         wrong("series with a column twice", 'found "force" in column 2 and "force" in column 3', text="time,force,force\n0,0,1\n1,1,2\n"),
@@ -99,9 +99,9 @@ def time_series_cases() -> list[Case]:
         Case("series with an unknown key", ("load.body.unit: unknown key", "column, file"), edits=(
             ('"-9.81"', '{ file = "loads.csv", column = "force", unit = "N" }'),), at="body ="),
         at("series in an initial value", 'velocity = ["0", "0"]', 'velocity = ["0", SERIES]', "initial.velocity: found",
-           "place alone", at="velocity ="),
+           "expressions of position only", at="velocity ="),
         at("series for a control constant in time", "scale = 1e6", "scale = 1e6\nconstant_in_time = true\ninitial = [0, SERIES]",
-           "control.initial: found", "place alone", at="initial = [0"),
+           "control.initial: found", "expressions of position only", at="initial = [0"),
         at("series for all components", 'body = ["0", "-9.81"]', "body = SERIES", "load.body: found", "an array of one expression",
            at="body ="),
     ]
@@ -166,7 +166,7 @@ def effect_cases() -> list[Case]:
                at=""),
         edited("negative tracking", "gamma =", "tracking = -1.0\ngamma =", "objective.tracking: ", "-1", at="tracking ="),
         edited("nothing desired", "gamma = 7.5e-4", "tracking = 0.0\ngamma = 0.0",
-               "objective.tracking: found 0 where gamma is 0 too; set at least one of them",
+               "objective.tracking: found 0, and gamma is 0 too; set at least one of them above 0",
                at="tracking ="),
     ]
 

@@ -93,7 +93,7 @@ def type_cases() -> list[Case]:
                never=("9.81",)),
         edited("control that changes too fast", "scale = 1e6", 'scale = 1e6\ninitial = ["sin(1e12*t)", "0"]',
                "control.initial: the expression changes too fast to be integrated",
-               "use a slower one or a time series", at=""),
+               "Use a slower expression or a time series", at=""),
         edited("one expression for a control", "scale = 1e6", 'scale = 1e6\ninitial = "sin(t)"', "control.initial: found",
                '["0", "0", "sin(t)"] in space', never=("9.81",), at="initial ="),
         edited("table for a list", 'velocity = ["0", "0"]', "velocity = { x = 1 }", "initial.velocity: found",

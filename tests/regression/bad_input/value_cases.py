@@ -10,10 +10,10 @@ def range_cases() -> list[Case]:
     return [
         edited("step of zero", "step = 5e-5", "step = 0", "time.step: found 0", "greater than 0", "s)"),
         edited("negative step", "step = 5e-5", "step = -5e-5", "time.step: found -5e-05", "greater than 0"),
-        edited("step beyond the end", "step = 5e-5", "step = 1e-3", "time.step: found", "0.001 s", "choose 1 to"),
+        edited("step beyond the end", "step = 5e-5", "step = 1e-3", "time.step: found", "0.001 s", "choose a length that gives 1 to"),
         edited("end between two steps", "end = 1.5e-4", "end = 1.6e-4", "time.end: found 0.00016 s, which is 3.2 steps of 5e-05 s; "
                "choose a whole multiple of time.step, such as 0.00015 s"),
-        edited("too many steps", "step = 5e-5", "step = 1e-14", "time.step: found", "1e-14 s", "choose 1 to"),
+        edited("too many steps", "step = 5e-5", "step = 1e-14", "time.step: found", "1e-14 s", "choose a length that gives 1 to"),
         edited("a word for a step", "step = 5e-5", 'step = "automatic"', "time.step: found", "automatic", "auto"),
         edited("tolerance of equal steps", "step = 5e-5", "tolerance = 1e-2\nstep = 5e-5", "time.tolerance: ", "has no effect", "auto"),
         edited("tolerance of nothing", "step = 5e-5", 'tolerance = 0\nstep = "auto"', "time.tolerance: found 0", "at least"),
@@ -39,7 +39,7 @@ def range_cases() -> list[Case]:
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 0'),), at="size = 0"),
         Case("unknown unit", ('mesh.unit: found "millimetre"', "m, cm, mm, um, in"), edits=(
             ('file = "square.msh"', 'file = "square.msh"\nunit = "millimetre"'),), at="unit ="),
-        *(Case(f"size for more elements than can be, {what}", ("mesh.size: found 1e-05 m", "cells of a body of 1 m", "mesh.unit"), **more,
+        *(Case(f"size for more elements than can be, {what}", ("mesh.size: found 1e-05 m", "cells for a body of 1 m", "mesh.unit"), **more,
                edits=(*edits, ('.msh"', '.geo"\nsize = 1e-5'))) for what, edits, more in (  # type: ignore[arg-type]
             ("plane", (), {"mesh": GEO, "mesh_file": "square.geo"}),
             ("space", (('file = "square.msh"', 'file = "cube.msh"'),),
@@ -83,7 +83,7 @@ def range_cases() -> list[Case]:
         edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
         edited("negative gamma", "gamma = 7.5e-4", "gamma = -7.5e-4", "objective.gamma: found -0.00075", "at least 0"),
         edited("upper bound that is no number", "upper = 2.0", "upper = [2.0, nan]", "control.upper: found nan", "that is finite"),
-        edited("lower above upper", bounds, "lower = 3.0\nupper = 2.0", "control.lower: found 3", "control.upper = 2", "lower it"),
+        edited("lower above upper", bounds, "lower = 3.0\nupper = 2.0", "control.lower: found 3", "control.upper = 2", "reduce it"),
         edited("lower above upper in one component", bounds, "lower = [0, 3]\nupper = 2.0", "control.lower: found 3",
                "control.upper = 2"),
         edited("infinite bound", bounds, "lower = -inf\nupper = 2.0", "control.lower: found -inf", "a number", "that is finite"),
@@ -143,7 +143,7 @@ def probe_cases() -> list[Case]:
         probe("misspelt key of a probe", "pont = [0, 0.5]", "output.probe[0].pont: unknown", '"point"', at="pont ="),
         probe("probe with a comma in its name", 'name = "a, b"\nbody = true', "output.probe[0].name: found 'a, b'", "without commas",
               at="name ="),
-        probe("probe with a name that another one has", twice, 'output.probe[1].name: found "a"', "output.probe[0] has too",
+        probe("probe with a name that another one has", twice, 'output.probe[1].name: found "a"', "which is the name of output.probe[0] too",
               at='name = "a" # again'),
         probe("probe at a point of three components", "point = [0, 0.5, 0]", "output.probe[0].point: found 3 components",
               "expected 2", at=""),
@@ -159,7 +159,7 @@ def probe_cases() -> list[Case]:
                "without commas and quotes", at="obstacle ="),
         edited("obstacle with an empty name", obstacle, 'obstacle = { name = "", shape', "contact.obstacle.name: found \"\"",
                "not empty", at="obstacle ="),
-        Case("obstacles with the same name", ("contact[1].obstacle.name: found", "obstacle 2", "contact[0] has too"), edits=(
+        Case("obstacles with the same name", ("contact[1].obstacle.name: found", "obstacle 2", "which is the name of contact[0] too"), edits=(
             ("[contact]", '[[contact]]\non = "bottom"\nobstacle = { name = "obstacle 2", shape = "half-space", point = [0, -0.2], '
              "normal = [0, 1] }\n[[contact]]"),)),
     ]

@@ -62,9 +62,9 @@ def test_more_room_fewer_recomputed_steps(searches: dict[str, Run]) -> None:
 @pytest.mark.key("check.control")
 def test_check_control() -> None:
     own = signorini("check", BLOCK).stdout
-    assert "contact included" in own and "Derivatives at the reference control" in own
+    assert "contact included" in own and "Derivatives are checked at the reference control" in own
     away = attempt("check", BLOCK, check__control=["0", "9"])
-    assert away.returncode == 1 and "Derivatives at the control of [check]" in away.stdout and "never" in away.stdout
+    assert away.returncode == 1 and "Derivatives are checked at the control of [check]" in away.stdout and "never" in away.stdout
 
 
 LESS_THAN_ROUNDING = {"run__tolerance": 1e-30}

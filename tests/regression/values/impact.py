@@ -176,17 +176,17 @@ def test_lines_of_obstacles(run: SceneRun) -> None:
     for one in each if len(each) > 2 else each[:1]:
         text, values = f"  {one['name']}: from {{}} to {{}} s", [one["start"], one["end"]]
         if one["contact_time"] < 0.999 * one["duration"]:
-            text += ", {} s of it with a force"
+            text += ", with a force during {} s"
             values.append(one["contact_time"])
         text += f", impulse {vector(run)}"
         values.extend(one["impulse"])
         if one["normal_impulse"] - np.linalg.norm(one["impulse"]) > 1e-3 * one["normal_impulse"]:
-            text += " ({} by modulus)"
+            text += " ({} as sum of moduli)"
             values.append(one["normal_impulse"])
         text += f" N s{per}, peak of two steps {{}}"
         values.append(one["peak"])
         if one["normal_peak"] - one["peak"] > 1e-3 * one["normal_peak"]:
-            text += " ({} by modulus)"
+            text += " ({} as sum of moduli)"
             values.append(one["normal_peak"])
         printed(run, f"{text} N{per} at {{}} s" + ", as contact begins" * one["peak_at_onset"], values, one["peak_time"])
 

@@ -26,7 +26,7 @@ def mesh(tmp_path_factory: pytest.TempPathFactory) -> tuple[np.ndarray, np.ndarr
 
 def effects(printed: str) -> dict[str, str]:
     """The memory of each effect, empty for those without matrices."""
-    return {line[:22].strip(): line[46:56].strip() for line in printed.split("and in a step")[1].split("off:")[0].splitlines()}
+    return {line[:22].strip(): line[46:56].strip() for line in printed.split("adds in each step")[1].split("off:")[0].splitlines()}
 
 
 def test_effects_with_memory(printed: str) -> None:
@@ -54,7 +54,7 @@ def test_counts(printed: str, mesh: tuple[np.ndarray, np.ndarray]) -> None:
 def test_recomputed_steps(budget: int) -> None:
     """Griewank and Walther, Algorithm 799: revolve (2000): r l - C(s + r, r - 1) of l states from s checkpoints, the start among both."""
     printed = signorini("info", BLOCK_SCENE, trajectory__storage="checkpoints", trajectory__budget=budget).stdout
-    again, slots = re.search(r"and (\S+) steps recomputed of either motion \((\d+) checkpoints\)", printed).groups()
+    again, slots = re.search(r"and (\S+) recomputed steps of each motion \((\d+) checkpoints\)", printed).groups()
     states, checkpoints, repeats = 31, int(slots) + 1, 0
     while comb(checkpoints + repeats, repeats) < states:
         repeats += 1
