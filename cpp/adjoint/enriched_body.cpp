@@ -217,7 +217,7 @@ void DualBubbles::apply(Vec x, const contact::ActiveSet& active, Vec out) {
   body_.keep_bubbles(active, out);
 }
 
-double DualBubbles::precondition(const contact::ActiveSet& active) {
+double DualBubbles::apply_preconditioner(const contact::ActiveSet& active) {
   check(VecPointwiseDivide(z_, left_, diagonal_));
   body_.keep_bubbles(active, z_);
   return dot(z_, left_);
@@ -227,11 +227,11 @@ Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& activ
   set_length((grid_.length(k) + grid_.length(k + 1)) / 2);
   residual(k, duals);
   body_.keep_bubbles(active, left_);
-  const double size = precondition(active);
+  const double size = apply_preconditioner(active);
   body_.keep_bubbles(active, b_);
   apply(b_, active, image_);
   check(VecAXPY(left_, -1, image_));
-  double product = precondition(active);
+  double product = apply_preconditioner(active);
   check(VecCopy(z_, direction_));
   // Bound of a squared norm: 1 % in the bubbles' energy norm, below the error that the estimate neglects.
   constexpr double tolerance = 1e-4;
@@ -246,7 +246,7 @@ Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& activ
     const double length = product / dot(direction_, image_);
     check(VecAXPY(b_, length, direction_));
     check(VecAXPY(left_, -length, image_));
-    const double last = std::exchange(product, precondition(active));
+    const double last = std::exchange(product, apply_preconditioner(active));
     check(VecAYPX(direction_, product / last, z_));
   }
   return b_;

@@ -116,7 +116,7 @@ private:
   /// Sets out = (τ A + B) x, τ the mean length of two steps, restricted to the bubbles that are free to move.
   void apply(Vec x, const contact::ActiveSet& active, Vec out);
   /// Sets z_ = left_ / diagonal_, restricted to the bubbles that are free to move; returns z_·left_.
-  double precondition(const contact::ActiveSet& active);
+  double apply_preconditioner(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;
   const step::DualAtStep& derivative_;

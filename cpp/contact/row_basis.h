@@ -55,7 +55,8 @@ public:
   void add_to(std::span<double> x, const Coordinates& b) const;
   /// Replaces b by R⁻¹ b: the coordinates in the basis q of the shortest vector x with h_j·x = b_j.
   void shortest(Coordinates& b) const;
-  /// Replaces b by R⁻ᵀ b: the coefficients a of the members for which Σ_j a_j h_j = Σ_k b_k q_k.
+  /// Replaces the coefficients b in the orthonormal basis q by those in the rows h of the basis' members, R⁻ᵀ
+  /// b: Σ_j a_j h_j = Σ_k b_k q_k.
   void combine(Coordinates& b) const;
   [[nodiscard]] Coordinates coordinates() const { return Coordinates(capacity_); }
 

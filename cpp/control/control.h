@@ -77,7 +77,8 @@ private:
   int count_ = 1;
 };
 
-/// Returns the Euclidean products u_i·w_j of this rank's values (u × w), in one pass over the w_j.
+/// Returns the Euclidean products u_i·w_j of this rank's values, row by row (number of u × number of w), in
+/// one pass over the w_j.
 std::vector<double> dots(std::span<const Control> u, std::span<const CompactControl> w);
 
 struct CompactVariables;

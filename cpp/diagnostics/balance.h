@@ -57,7 +57,8 @@ private:
   struct Sums;
   /// Adds the terms of the state at the end of the frame's step to `sums`. Collective.
   void add_state(const trajectory::Frame& frame, Sums& sums);
-  /// Adds the terms of the frame's step to `sums`. Returns the work of loads_alone_. Collective.
+  /// Adds the terms of the frame's step to `sums`. Returns the work of the scene's loads alone, without the
+  /// control. Collective.
   double add_step(const trajectory::Frame& frame, Sums& sums);
 
   const step::Stepper& stepper_;
@@ -68,9 +69,9 @@ private:
 };
 
 /// Monitors the exact laws of the scheme step by step (docs/method.md section 2). A defect is relative to the
-/// largest quantity of its kind in the run so far; penetration is relative to the body's diameter. Contact
-/// forces are relative to at least the force of an impact with the run's energy, since there may be no force
-/// yet at a touch. That force is the momentum over the time that a wave takes across the body.
+/// largest quantity of its kind in the run so far; penetration is relative to the body's diameter. For
+/// defects of contact forces this reference is at least the force of an impact with the run's energy, since
+/// at the first touch there is no earlier force: the momentum divided by the time of a wave across the body.
 class Invariants {
 public:
   /// Relative defect of one law.

@@ -54,7 +54,7 @@ std::string storage_line(const problem::Problem& problem, const problem::Control
     return fmt::format("states on disk, {} for each motion: written in {:.1f} s, read in {:.1f} s", room,
                        seconds("states written"), seconds("states read"));
   if (kept == scene::Storage::checkpoints)
-    return fmt::format("states in checkpoints of {:.3g} MB: {} steps recomputed in {:.1f} s",
+    return fmt::format("states in checkpoints, {:.3g} MB in all: {} steps recomputed in {:.1f} s",
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
                        seconds("states recomputed"));
   return fmt::format("states in memory, {} for each motion", room);

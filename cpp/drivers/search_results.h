@@ -15,9 +15,9 @@ struct SearchEnd {
   std::optional<io::Accuracy> accuracy{};                       ///< errors of J, with --accuracy
 };
 
-/// Writes and prints the results of a search, at the fitted values or else at the reduced problem's current
-/// variables, and moves the files into the output folder. Throws UserError, SolverFailure, WriteFailure.
-/// Collective.
+/// Writes and prints the results of a search, at `end.fitted` if given (a fit without a control), otherwise
+/// at the current variables of the reduced problem. Moves the files into the output folder. Throws UserError,
+/// SolverFailure, WriteFailure. Collective.
 void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console);
 
 } // namespace signorini::drivers

@@ -232,7 +232,7 @@ std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) 
 
 } // namespace
 
-std::string signature(int dim, int degree) {
+std::string forms_digest(int dim, int degree) {
   Digest digest;
   for (const ufcx_form* form : generated(dim, degree).forms)
     digest.add(form->signature);

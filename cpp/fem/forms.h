@@ -43,7 +43,7 @@ enum class Form {
 
 /// Digest of the compiled forms for simplices of dimension `dim` and functions of degree `degree`; it changes
 /// if a form is edited. Throws std::logic_error if no forms were compiled for these. Not collective.
-std::string signature(int dim, int degree);
+std::string forms_digest(int dim, int degree);
 
 /// Assembles a form over the cells of the body's parts for a time step `tau`, s, without boundary conditions.
 /// Returns a symmetric matrix of PETSc type `type` (AIJ or BAIJ) on V, whose block size is the space

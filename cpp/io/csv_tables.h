@@ -78,12 +78,12 @@ public:
 
 private:
   /// Constant text of a candidate's row.
-  struct Fixed {
+  struct CandidateText {
     std::string point, surface; ///< text before gap and force, text after them
   };
   int dim_;
   const contact::Pressure& pressure_;
-  std::vector<Fixed> fixed_;
+  std::vector<CandidateText> fixed_;
 };
 
 } // namespace signorini::io

@@ -233,9 +233,9 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
   on_root(comm, [&] {
     std::error_code none;
     if (!fs::is_regular_file(file, none) || !fs::is_regular_file(echo, none))
-      throw UserError(fmt::format(
-          "{}: {} has no control.h5 of its run, and {}; use the folder of an optimize run that wrote one",
-          key, folder.string(), why));
+      throw UserError(fmt::format("{}: {} has no control.h5 that its run wrote, and {}; use the folder of an "
+                                  "optimize run that wrote control.h5",
+                                  key, folder.string(), why));
     if (controls.cellwise())
       throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, which a control with values in "
                                   "cells needs; use the folder of an optimize run with one",

@@ -24,8 +24,8 @@ public:
 
   void solve(Vec b, Vec x) const override;
 
-  /// Solves matrix X = B for a sparse B and returns X, dense (n × k). `transposed`: Bᵀ (k × n) in AIJ format,
-  /// with all of its rows and columns on rank 0. Collective. Throws SolverFailure.
+  /// Solves A X = B, with the factorised matrix A, for a sparse B and returns X, dense (n × k). `transposed`:
+  /// Bᵀ (k × n) in AIJ format, with all of its rows and columns on rank 0. Collective. Throws SolverFailure.
   [[nodiscard]] petsc::Matrix solve_sparse(Mat transposed) const;
 
   [[nodiscard]] std::string name() const override { return "MUMPS"; }

@@ -10,7 +10,7 @@ namespace signorini {
 /// vector e (n). Returns w (n), or nothing if n is 0, an entry is not finite or sums overflow. Not
 /// collective.
 ///
-/// With a Gram matrix G and e = 0 this finds the shortest convex combination of vectors. With products
+/// For a Gram matrix G and e = 0 this finds the shortest convex combination of vectors. With products
 /// g_i·H⁻¹g_j of gradients and linearisation errors e it solves the dual of the bundle model (docs/method.md
 /// section 6).
 ///

@@ -27,9 +27,9 @@ struct SearchUnits {
 
 /// Returns the units of the problem at its current point u, with J = `objective` and gradient g there, by one
 /// Hessian product. L is the length of Cauchy's step, which minimises J's quadratic model along steepest
-/// descent, after projection onto the bounds. s is the multiple of the gradient that has that length. Both
-/// depend on u, J and the bounds but not on the mesh, and scale with the units of u and J. The first guess
-/// has an influence only by J's derivatives there; the origin of controls has none.
+/// descent, after projection onto the bounds. s is the factor for which s g has the length L. Both
+/// depend on u, J and the bounds but not on the mesh, and scale with the units of u and J. Adding a constant
+/// to all controls and bounds changes nothing.
 ///
 /// The Hessian may be singular. If J is a sum of squares, as it is with frozen active sets, it still has
 /// curvature along its gradient, and the step is at most 2 J/‖g‖² times the gradient. This bound is used if
@@ -194,9 +194,9 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// a certificate; the state stored then does not contain the method's state. A search restored from that
 /// state ends at once, without a certificate, unless its tolerance is smaller.
 ///
-/// Without a checkpoint the search continues from `inherited`, if given, where another search ended. If the
-/// problem throws Interrupted, the search ends with the last accepted iterate. Throws SolverFailure if J or
-/// its gradient is not finite. Collective if the problem is.
+/// If there is no checkpoint, the search continues from `inherited`, if given, where another search ended. If
+/// the problem throws Interrupted, the search ends with the last accepted iterate. Throws SolverFailure if J
+/// or its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>

@@ -59,8 +59,8 @@ struct NewtonOptions {
 struct BundleOptions {
   /// Number of consecutive short steps after which the bundle method takes over; a single one may be due to a
   /// kink that the line search passes. A step is short if its length relative to the longest step is below
-  /// short_step. This is the radius of the ball for the finest tolerance below, so that the method starts
-  /// before steps are wasted within that ball.
+  /// short_step. short_step is the radius, relative to the longest step, within which a
+  /// certificate of the finest tolerance gathers gradients: the method starts before steps are wasted there.
   int short_steps = 3;
   double short_step = 1e-3;
   /// Largest tolerance with which the bundle method works, even if a larger one is asked for. The iterates

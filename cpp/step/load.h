@@ -54,7 +54,8 @@ using StateDuals = StepByStep<StateDual>;
 template <std::derived_from<Functional> F>
 class SumAtStep {
 public:
-  /// Creates the sum of `terms`; null pointers count as zero. The references must outlive this object.
+  /// Creates the sum of `terms`; null pointers count as zero. `space` and the
+  /// objects that `terms` points to must outlive this object.
   SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<F>*> terms);
   SumAtStep(const fem::Space& space, const StepByStep<F>& term) : SumAtStep(space, {&term}) {}
 

@@ -198,7 +198,7 @@ void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Ad
     add(rate.M, 1, inertia_);
 }
 
-void ParameterRates::add_source(std::size_t j, Vec sum) {
+void ParameterRates::add_step_source(std::size_t j, Vec sum) {
   const Rate& rate = *rates_[j];
   const Scheme scheme = made_->step.scheme();
   for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {

@@ -36,7 +36,7 @@ public:
   void set(const StepMade& made);
 
   /// Adds s_kj, the derivative of the step's right-hand side by unknown j, to `sum`.
-  void add_source(std::size_t j, Vec sum);
+  void add_step_source(std::size_t j, Vec sum);
   /// Returns p·s_kj, the product of p with the derivative of the step's right-hand side by unknown j.
   [[nodiscard]] double pairing(std::size_t j, Vec p);
   /// Sets `c` to c_kj (rows, m), the value of ν·δy_k that unknown j prescribes on the active set. Returns

@@ -27,8 +27,8 @@ constexpr double iteration_rate = 20e9; ///< bytes per second of an iteration by
 
 /// Seconds per unknown for the analysis by MUMPS, which one rank makes, and for the distribution of D.
 constexpr double mumps_analysis = 25e-6;
-/// Least number of entries of a factor per entry of D's upper half: 16 in the plane at 13,000 unknowns.
-constexpr double least_fill = 15;
+/// Entries of a factor per entry of D's upper half: 5 for a slender block, 16 for a disc of 13,000 unknowns.
+constexpr double typical_fill = 10;
 
 /// Cost of a step by conjugate gradients in units of the trial solve, which starts from zero. A step's guess
 /// saves iterations; changes of the active set and evaluations of contact cost others.
@@ -53,13 +53,13 @@ Price price(const DirectWork& work, int ranks) {
           .solve = work.solve_bytes / (rates.bytes * ranks)};
 }
 
-Price least_mumps_price(Mat D, int ranks) {
+Price expected_mumps_price(Mat D, int ranks) {
   PetscInt n = 0;
   MatInfo info{};
   check(MatGetSize(D, &n, nullptr));
   check(MatGetInfo(D, MAT_GLOBAL_SUM, &info));
   const auto unknowns = static_cast<double>(n);
-  const double entries = least_fill * (info.nz_used + unknowns) / 2;
+  const double entries = typical_fill * (info.nz_used + unknowns) / 2;
   return {.setup = mumps_analysis * unknowns, .solve = 2 * sizeof(double) * entries / (mumps.bytes * ranks)};
 }
 
@@ -207,9 +207,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
   if (size == 1) {
     if (const double least = least_factor_bytes(D_); automatic && least > scene.memory) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
-      const std::string why =
-          fmt::format("{} (a factor needs at least {:.2g} GB, above the limit of {:.2g} GB)", other->name(),
-                      least / gigabyte, scene.memory / gigabyte);
+      const std::string why = fmt::format("{} (a factor needs at least {:.2g} GB, the limit is {:.2g} GB)",
+                                          other->name(), least / gigabyte, scene.memory / gigabyte);
       return iterate(std::move(other), why);
     }
     auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),
@@ -218,10 +217,10 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     cholesky_ = settle(std::move(solver), trailing_block);
   } else {
     // The analysis takes longer than short runs by conjugate gradients.
-    if (const Price least = least_mumps_price(D_, size);
-        automatic && solves > 0 && !full_ && least.setup > small_setup / mumps.flops) {
+    if (const Price expected = expected_mumps_price(D_, size);
+        automatic && solves > 0 && !full_ && expected.setup > small_setup / mumps.flops) {
       std::string ignored;
-      if (iterate_if_quicker(least, "MUMPS at least", solves, ignored))
+      if (iterate_if_quicker(expected, "MUMPS (before its analysis)", solves, ignored))
         return;
     }
     mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);

@@ -34,9 +34,8 @@ struct DirectWork {
 /// Returns the price of a direct solver: CHOLMOD on one rank, MUMPS on several.
 Price price(const DirectWork& work, int ranks);
 
-/// Returns a lower bound of the price of MUMPS for D from its unknowns and entries, without an analysis.
-/// Collective.
-Price least_mumps_price(Mat D, int ranks);
+/// Estimates the price of MUMPS for D from D's unknowns and entries, before the analysis. Collective.
+Price expected_mumps_price(Mat D, int ranks);
 
 /// Returns the price of conjugate gradients. `trial_work`: ConjugateGradients::trial_work(), a number of
 /// iterations; `iteration_bytes`: memory traffic of one iteration, bytes.

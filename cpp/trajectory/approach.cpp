@@ -280,9 +280,10 @@ std::vector<std::string> first_touch_lines(const step::Stepper& stepper, const s
       text += fmt::format("at {:.4g} s with {:.4g} m/s, by the rigid motion from a gap of {:.4g} m{}",
                           one.time, one.speed, one.gap, without);
     else
-      text += fmt::format("none before {:.4g} s by the rigid motion{}; gap {:.4g} m, smallest gap {:.4g} m "
-                          "(at {:.4g} s)",
-                          stepper.end(), without, one.gap, one.nearest, one.nearest_time);
+      text += fmt::format(
+          "none before {:.4g} s by the rigid motion{}; gap {:.4g} m at the start, smallest gap {:.4g} m "
+          "(at {:.4g} s)",
+          stepper.end(), without, one.gap, one.nearest, one.nearest_time);
     lines.push_back(std::move(text));
   }
   return lines;

@@ -29,7 +29,7 @@ void ParameterSensitivities::observe(const Frame& frame) {
     Derivative& now = motions_[j];
     from_.copy(now.state);
     check(VecZeroEntries(source_));
-    rates_.add_source(j, source_);
+    rates_.add_step_source(j, source_);
     check(VecScale(source_, 1 / scheme.impulse())); // as a nodal force
     std::ranges::fill(normal_, 0);
     rates_.constraint(j, normal_);

@@ -23,7 +23,7 @@ public:
   [[nodiscard]] Vec y(std::size_t j) const { return motions_[j].state.y(); }
   /// Returns δv_k, the derivative of the velocity by unknown j, at the last frame.
   [[nodiscard]] Vec v(std::size_t j) const { return motions_[j].state.v(); }
-  /// Returns δλ_k (rows), the derivative of the multipliers (m) by unknown j, at the last frame.
+  /// Returns δλ_k, one value per row of H: the derivative of the multipliers by unknown j, at the last frame.
   [[nodiscard]] std::span<const double> lambda(std::size_t j) const { return motions_[j].lambda; }
 
 private:

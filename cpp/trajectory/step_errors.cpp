@@ -366,12 +366,12 @@ std::vector<Warning> StepErrors::warnings() const {
              few.begin, few.impulse / force_.total(), few.steps, few.steps == 1 ? "" : "s"),
          static_cast<double>(few.steps), few_steps});
   if (force_.total() > 0)
-    if (const std::optional<Warning> peak = peak_warning())
+    if (const std::optional<Warning> peak = wave_peak_warning())
       found.push_back(*peak);
   return found;
 }
 
-std::optional<Warning> StepErrors::peak_warning() const {
+std::optional<Warning> StepErrors::wave_peak_warning() const {
   const ImpulseRecord::Peak peak = force_.peak(sustained * stepper_.wave_time());
   const bool at_onset = std::ranges::any_of(
       begins_, [&](double touch) { return touch <= peak.mean.end && peak.mean.end <= touch + crossing_; });

@@ -49,8 +49,8 @@ public:
   /// candidates it is the largest root mean square of the deformation, m. With time.quantity = "energy" it is
   /// the root of twice the largest elastic energy, √J.
   [[nodiscard]] double scale() const { return scale_; }
-  /// Returns the error e of steps whose length is the time between four equally spaced displacements, from
-  /// their third difference. `y`: a displacement, for the size of rounding. Collective.
+  /// Returns the error e of steps of length τ from the third difference of four displacements at
+  /// intervals of τ. `y`: a displacement, for the size of rounding. Collective.
   double error_of(Vec third_difference, Vec y);
   /// Returns whether contact lasts in the last accepted step: at most two steps without an active candidate
   /// follow the last step with one.
@@ -129,7 +129,7 @@ private:
   void judge_flight(const Frame& frame);
   /// Returns a warning if the largest force is that of a single wave, which depends on the mesh and the
   /// steps.
-  [[nodiscard]] std::optional<Warning> peak_warning() const;
+  [[nodiscard]] std::optional<Warning> wave_peak_warning() const;
 
   const step::Stepper& stepper_;
   double tolerance_;

@@ -84,9 +84,9 @@ struct Margins {
   void take(const contact::ContactState& contact, step::Scheme scheme);
 };
 
-/// A stored motion: integrates it, and returns its states and active sets. The states are in a store of
-/// `storage`, whose grid defines the N steps; the active sets of all steps are in memory. All members are
-/// collective.
+/// A stored motion: integrates it, and returns its states and active sets. The store
+/// of the states comes from `storage`, whose time grid defines the N steps; the active sets of all steps are
+/// in memory. All members are collective.
 class Trajectory final : public step::Displacements {
 public:
   /// `initial`: state at t_0; `whole`: at() returns whole states, otherwise displacements alone. The

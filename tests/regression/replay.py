@@ -239,7 +239,7 @@ def test_control_of_a_killed_search(optimum: Optimum, killed: Path, tmp_path: Pa
 def test_manifest_of_no_run(killed: Path, value: str, ranks: int, tmp_path: Path) -> None:
     """The checkpoint is not this one's, on whichever rank that is found."""
     (killed / "run.json").write_text(f'{{"objective": {value}}}')
-    refused("no control.h5 of its run, and checkpoint.h5 belongs to another run", ranks=ranks, out=tmp_path / "again",
+    refused("no control.h5 that its run wrote, and checkpoint.h5 belongs to another run", ranks=ranks, out=tmp_path / "again",
             control__initial={"run": str(killed)})  # fmt: skip
 
 

@@ -89,7 +89,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
               "shear viscosity               0  undetermined             3  Pa s",
               "throw                      -1.5          0.25            -1   (at its bound)",
               "largest correlation: " + pairs[pair++], "The data do not determine shear viscosity.",
-              "contact_start: measured 0.25 s, simulated 0.27 s, +2.00 standard deviations",
+              "contact_start: measured 0.25 s, simulated 0.27 s, off by +2.00 standard deviations",
               "contact_end: measured 0.5 s, simulated no contact",
               "misfit of 12 values: 0.416 standard deviations (root mean square)"});
   }

@@ -14,8 +14,9 @@ void drop_dependent(const ConstraintRows& rows, ActiveSet& set);
 
 /// Computes the active set that follows `set` in a primal-dual step, from the solution on `set` (linearly
 /// independent, ascending). `next` contains the closed candidates with λ > 0 and the open ones with g < 0
-/// (Hintermüller, Ito, Kunisch 2003), and is made linearly independent. A candidate that depends on others of
-/// its cluster replaces the one whose force becomes zero first when its own force grows (ratio test).
+/// (Hintermüller, Ito, Kunisch 2003), and is made linearly independent. If a candidate depends
+/// linearly on others of its cluster (rows that share unknowns), it replaces one of them: the one whose force
+/// becomes zero first while the force of the new one grows from zero (ratio test).
 void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const double> lambda,
               std::span<const double> gap, ActiveSet& next);
 

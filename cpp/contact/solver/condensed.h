@@ -65,7 +65,7 @@ private:
   void search(ContactState& state, Workspace& work) const;
   /// Computes λ and gaps by block pivoting, whose first steps are whole primal-dual steps. Collective.
   void pivot(ContactState& state, std::span<const double> psi, Workspace& work) const;
-  /// Computes λ, gaps and the active set if some predicted gaps are negative. For symmetric laws. Collective.
+  /// Computes λ, gaps and the active set for symmetric laws; some predicted gap must be negative. Collective.
   void solve_by_sets(const ContactProblem& step, Workspace& work) const;
   /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
   [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
@@ -76,8 +76,8 @@ private:
   /// Solves the law of one group with the multipliers of all other groups fixed: a step of block
   /// Gauss–Seidel.
   void relax(int group, ContactState& state) const;
-  /// Computes multipliers and gaps by Newton steps and, if these do not settle, by sweeps of relax() before
-  /// them. Collective.
+  /// Computes multipliers and gaps by Newton steps. If these do not settle, makes sweeps of relax() and then
+  /// Newton steps again. Collective.
   void solve_by_laws(const ContactProblem& step, Workspace& work) const;
   /// Rounding error of predicted gaps, estimated from the size of the motion in this step, m.
   [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;

@@ -18,8 +18,9 @@ struct CondensedVi {
 };
 
 /// Scratch of the solvers of contact steps, created by ContactStepSolver::workspace(); each solver uses a
-/// part of it. Between calls only two data are kept, which belong to one D: the factor of S_AA, reused for
-/// the same set, and K in `condensed`. Only one call at a time may use a workspace.
+/// part of it. Between calls only two matrices are kept, which belong to one D: the factor of S_AA, reused
+/// for the same set, and the matrix K = S⁻¹ of PETSc's VI in `condensed`. Only one call at a time may use a
+/// workspace.
 struct Workspace {
   /// Reserves memory for `rows` constraint rows.
   explicit Workspace(int rows) : gap0(static_cast<std::size_t>(rows)), motion(gap0.size()), mu(gap0.size()) {

@@ -63,7 +63,7 @@ def first_guess_cases() -> list[Case]:
 
         return make
 
-    neither = ("control.initial.run: ", "earlier has no control.h5 of its run, and there is no checkpoint.h5")
+    neither = ("control.initial.run: ", "earlier has no control.h5 that its run wrote, and there is no checkpoint.h5")
     return [
         Case("first guess of a run that is missing", neither, edits=by_run, earlier=True),
         Case("first guess of a run that is missing, two ranks", neither, edits=by_run, ranks=2),
