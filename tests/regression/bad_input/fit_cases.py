@@ -95,7 +95,7 @@ def fit_cases() -> list[Case]:
         data("data that are not there", None, "force.csv", "simulate --measure"),
         data("data without values", "time,force\n0,1\n1e-4,2\n", 'found no column "value"', "time, force"),
         data("data after the end", "time,value\n0,1\n1e-3,2\n", "found the time 0.001 s", "0 to 0.00015 s"),
-        data("data with decimal commas between commas", "time,value\n0,0\n1e-4,-1,5\n", "force.csv: line 3: found 3 cells below 2 names"),
+        data("data with decimal commas between commas", "time,value\n0,0\n1e-4,-1,5\n", "force.csv: line 3: found 3 cells below 2 column names"),
         data("data with thousands separators", 'time,value\n0,0\n1e-4,"-1,000"\n', '"-1,000" in column 2'),
         data("data with a column twice", "time,value,value\n0,0,1\n1e-4,1,1\n", 'found "value" in column 2 and "value" in column 3'),
         data("data in the unit of another quantity", "time,value [m/s]\n0,0\n1e-4,1\n", '"value [m/s]"', "cannot be converted to N or N/m"),

@@ -112,7 +112,7 @@ def method_cases() -> list[Case]:
                at="start ="),
         edited("coarse start on a .msh", "[optimizer]", '[optimizer]\nstart = "coarse"', 'optimizer.start: found "coarse" with a .msh',
                "use a .geo and mesh.size", at="start ="),
-        Case("coarse start without a size", ('optimizer.start: found "coarse" without mesh.size', "give one"), mesh=GEO,
+        Case("coarse start without a size", ('optimizer.start: found "coarse" without mesh.size', "give mesh.size"), mesh=GEO,
              mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"'), ("[optimizer]", '[optimizer]\nstart = "coarse"')), at="start ="),
         Case("coarse start to a run's motion", ('optimizer.start: found "coarse" with objective.desired.run', 'set it to "guess"'),

@@ -21,7 +21,7 @@ def range_cases() -> list[Case]:
         edited("longest beyond the end", "step = 5e-5", 'longest = 1.0\nstep = "auto"', "time.longest: found 1 s", "time.end"),
         edited("shortest beyond the longest", "step = 5e-5", 'shortest = 1e-4\nlongest = 5e-5\nstep = "auto"',
                "time.shortest: found 0.0001 s", "time.longest"),
-        edited("no part of the time", "scale = 1e6", "step = 4e-5\nscale = 1e6", "control.step: found 4e-05 s", "whole"),
+        edited("no part of the time", "scale = 1e6", "step = 4e-5\nscale = 1e6", "control.step: found 4e-05 s", "divides time.end"),
         edited("incompressible", "poisson = 0.3", "poisson = 0.5", "material.poisson: found 0.5", "less than 0.5",
                earlier=True),
         edited("negative density", "density = 1.0", "density = -1.0", "material.density: found -1.0", "greater than 0",
