@@ -164,7 +164,7 @@ def impulse(tmp_path_factory: pytest.TempPathFactory) -> float:
     return run(RING, tmp_path_factory.mktemp("fine") / "truth", **fine)["impact"]["all"]["normal_impulse"]
 
 
-@pytest.mark.parametrize("quantity, budget, met, tolerance", (("impulse", "100s", True, 2e-2), ("peak_force", "4s", False, 0.1)))
+@pytest.mark.parametrize("quantity, budget, met, tolerance", (("impulse", "100s", True, 2e-2), ("peak_force", "15s", False, 0.1)))
 def test_ordered(impulse: float, quantity: str, budget: str, met: bool, tolerance: float, tmp_path: Path) -> None:
     """Of an impact at the start the impulse is met to 2 %, as a finer run confirms; a peak that grows with refinement is not called met.
 
