@@ -92,7 +92,7 @@ public:
                                                      trajectory::Stops stops = trajectory::Stops::obeyed);
   /// Sets the weights of parameters in inner() at a first guess, and makes that guess the current point. A
   /// change of x_j then has the same length as a change of the control along which J has the same curvature.
-  /// Without a call the weights are 1.
+  /// The weights are 1 before the first call.
   void weigh_parameters(const Variables& guess);
 
   /// Computes S'(u) d: passes the linearised displacements δy_1…δy_N at the current control, with frozen

@@ -216,9 +216,11 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     const double trailing_block = solver->trailing_size();
     cholesky_ = settle(std::move(solver), trailing_block);
   } else {
-    // The analysis takes longer than short runs by conjugate gradients.
-    if (const Price expected = expected_mumps_price(D_, size);
-        automatic && solves > 0 && !full_ && expected.setup > small_setup / mumps.flops) {
+    // The analysis takes longer than short runs by conjugate gradients. In long runs a trial of these before
+    // the analysis and another after it would cost more than it saves.
+    if (const Price expected = expected_mumps_price(D_, size); automatic && solves > 0 && !full_ &&
+                                                               expected.setup > small_setup / mumps.flops &&
+                                                               expected.setup > solves * expected.solve) {
       std::string ignored;
       if (iterate_if_quicker(expected, "MUMPS (before its analysis)", solves, ignored))
         return;
