@@ -66,7 +66,7 @@ Keys<Time> keys_of(Of<Time>) {
             {.effect = "steps of varying length"}, &Time::automatic_steps),
       value("longest", &Time::longest, Number{above_zero}, "s",
             "with `step = \"auto\"`: longest step, shortened so that it divides `time.end`",
-            {.otherwise = "a tenth of `time.end`", .effect = "steps of varying length"}),
+            {.otherwise = "an eighth of `time.end`", .effect = "steps of varying length"}),
       value("shortest", &Time::shortest, Number{above_zero}, "s",
             "with `step = \"auto\"`: shortest step, whatever its error",
             {.otherwise = "the longest step, halved 20 times", .effect = "steps of varying length"}),
