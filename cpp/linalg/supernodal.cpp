@@ -18,8 +18,7 @@ namespace signorini {
 
 namespace {
 
-/// Number of supernodes by which the prefetch is ahead: a supernode has a few kilobytes, and the memory
-/// latency is about the time of solving one or two supernodes.
+/// Number of supernodes by which the prefetch is ahead: memory latency is the time of one or two solves.
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
 
@@ -34,8 +33,7 @@ constexpr std::ptrdiff_t worth_dividing = 16'384;
 /// enough to leave little work above the subtrees.
 constexpr double subtrees_wanted = 48;
 
-/// Dense trapezoid of L, stored column by column: `height` rows, of which the first `width` form the diagonal
-/// block.
+/// Dense trapezoid of L, stored by columns: `height` rows; the first `width` form the diagonal block.
 struct Supernode {
   const double* values;
   const int* rows_below;
@@ -147,8 +145,7 @@ void forward(const Supernode& s, double* own, double* below) {
   }
 }
 
-/// Subtracts Bᵀ below from `own`, B being the rows below the diagonal block, and solves with the transposed
-/// diagonal block.
+/// own ← (diagonal block)⁻ᵀ (own − Bᵀ below), where B are the rows below the diagonal block.
 void backward(const Supernode& s, double* own, const double* below) {
   for (std::ptrdiff_t c = (s.width - 1) / panel_width * panel_width; c >= 0; c -= panel_width) {
     const std::ptrdiff_t width = std::min(panel_width, s.width - c), end = c + width;
@@ -170,8 +167,7 @@ void take_at(const int* rows, std::ptrdiff_t count, std::span<const double> z, d
     to[i] = z[rows[i]];
 }
 
-/// Parent of each supernode in the elimination tree: the supernode that contains the first row below it; −1
-/// for a root.
+/// Parent of each supernode in the elimination tree: the supernode with the first row below it; −1: root.
 std::vector<int> parents(const cholmod_factor& L) {
   const auto* super = static_cast<const int*>(L.super);
   std::vector<int> of_column(L.n), parent(L.nsuper, -1);

@@ -13,8 +13,7 @@
 #include <variant>
 #include <vector>
 
-/// A validated scene file, in SI units and with all defaults filled in. An absent std::optional means that
-/// the effect is absent, unless stated otherwise.
+/// A validated scene file, in SI units, defaults filled in. An absent std::optional: the effect is absent.
 namespace signorini::scene {
 
 /// An expression in x, y, z (m) and t (s), or a time series.
@@ -51,8 +50,7 @@ struct Mesh {
   double scale = 1; ///< factor on the sizes that the .geo itself sets
   LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement
-  /// Path of a .geo with the same body whose element sizes vary in space according to the estimated error;
-  /// set by the program for a graded rung, not by a key.
+  /// .geo of the same body with element sizes graded by the estimated error; set by the program, not a key.
   std::filesystem::path graded{};
 
   /// Whether the element size is "auto", chosen by the estimated error (--accuracy).
@@ -204,8 +202,7 @@ struct Objective {
   double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
-/// Normal prior distribution of an unknown. On a logarithmic scale the logarithm of the unknown is normally
-/// distributed, and the deviation is relative to the mean.
+/// Normal prior of an unknown; on a logarithmic scale, of its logarithm, the deviation relative to the mean.
 struct Prior {
   double mean = 0, deviation = 0; ///< mean of the unknown, and standard deviation
 };
@@ -250,8 +247,7 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  /// Stopping tolerance: for the norm of the gradient, relative to the norm at the first guess; for a fit,
-  /// for the Newton decrement. Set if there is a search.
+  /// Stopping tolerance of a search: gradient norm relative to the first guess; Newton decrement of a fit.
   std::optional<double> tolerance;
   int checkpoint = 10; ///< iterations between checkpoints; 0: no checkpoints
   double memory = 0;   ///< memory limit for the controls that a method stores, bytes; 0: the default limit

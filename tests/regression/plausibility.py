@@ -70,7 +70,7 @@ def test_first_exceeded(tmp_path: Path) -> None:
     signorini("simulate", scene, out)
     found = warnings(out)["large rotation"]
     assert found["value"] == pytest.approx(np.degrees(0.4), rel=0, abs=1e-9)
-    assert "(first exceeded by t = 0.25 s)" in found["message"]
+    assert "(limit first exceeded by t = 0.25 s)" in found["message"]
 
 
 CANTILEVER = """
