@@ -86,7 +86,7 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
 def accuracy(given: dict) -> str:
     """Describes the accuracy asked for and estimated."""
     met = "met" if given["met"] else f"not verified, {given['doubt']}" if given["doubt"] else "not met"
-    return (f"{given['asked']:g} of {given['quantity']} asked, {given['estimated']:.2g} estimated: {met} "
+    return (f"relative error of {given['quantity']}: {given['asked']:g} requested, {given['estimated']:.2g} estimated: {met} "
             f"(space {given['space']:.1g}, time {given['time']:.1g}, search {given['search']:.1g})")  # fmt: skip
 
 

@@ -34,7 +34,7 @@ std::optional<double> relative(double difference, double size) {
 }
 
 /// Divisor of a quantity's errors: the norm of the known values; 1 for a quantity that is relative already.
-double scale(const Quantity& quantity, Values known) { return quantity.absolute ? 1 : norm(known); }
+double scale(const Quantity& quantity, Values known) { return quantity.already_relative ? 1 : norm(known); }
 
 /// Distance between a quantity in a run and its known values, which are exact or those of another run,
 /// divided by scale(); absent if it is not finite.
@@ -53,7 +53,7 @@ bool finer(const Rung& a, const Rung& b) {
 }
 
 bool alike(const Rung& a, const Rung& b) {
-  return a.degree == b.degree && a.scheme == b.scheme && a.chooses_steps() == b.chooses_steps() &&
+  return a.degree == b.degree && a.scheme == b.scheme && a.has_varying_steps() == b.has_varying_steps() &&
          a.graded == b.graded;
 }
 
@@ -153,7 +153,7 @@ Orders orders_of(const Quantity& quantity, const Family& members, const Exact& e
   return {quantity.name,
           finest.degree,
           finest.scheme,
-          finest.chooses_steps(),
+          finest.has_varying_steps(),
           finest.graded,
           observed_order(along.space, along.in_space),
           observed_order(along.time, along.in_time),
@@ -214,7 +214,7 @@ std::optional<ReferenceBar> reference_bar(const Quantity& quantity, const Family
   bar.asymptotic =
       in_range(along.space, along.in_space, bar.size) && in_range(along.time, along.in_time, bar.step);
   if (quantity.name == "J" && run.estimate && run.estimate->space) {
-    if (const std::optional<double> adjoint = relative(most(*run.estimate), whole)) {
+    if (const std::optional<double> adjoint = relative(cautious_bound(*run.estimate), whole)) {
       bar.adjoint = true;
       bar.value = std::max(bar.value, *adjoint);
     }
@@ -260,7 +260,7 @@ std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Ru
       continue;
     const auto own = std::ranges::find_if(found, [&](std::size_t other) {
       const Rung &a = results[i].rung, &b = results[other].rung;
-      return a.chooses_steps() == b.chooses_steps() && a.graded == b.graded;
+      return a.has_varying_steps() == b.has_varying_steps() && a.graded == b.graded;
     });
     if (own == found.end())
       found.push_back(i);
@@ -287,7 +287,7 @@ std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Ru
 
 } // namespace
 
-double most(const adjoint::ErrorParts& estimate) {
+double cautious_bound(const adjoint::ErrorParts& estimate) {
   constexpr double underestimated = 2;
   return std::max(underestimated * std::abs(estimate.sum()), estimate.sum_of_moduli());
 }

@@ -7,18 +7,20 @@
 
 namespace signorini::accuracy {
 
-/// Estimates the error of J at the current control of the reduced problem, J(exact) − J, without a finer run
+/// Estimates the error J(exact) − J at the current control of `control_problem`, without a finer run
 /// (docs/method.md section 7). The parts of the estimate are:
-///  - the adjoint-weighted residual of the motion, and of the desired motion if this is computed from a
-///    reference control, with the interpolation errors of loads;
+///  - the adjoint-weighted residual of the motion, including the interpolation errors of loads, minus that of
+///    the desired motion if a reference control determines the desired motion;
 ///  - the error of the quadrature in time;
 ///  - the interpolation error of initial data, weighted with the adjoint;
-///  - the interpolation error δ = y_d⁺ − y_d of a desired displacement, by its effect on J,
-///    Σ_k ½ weight(k) (‖e_k − δ_k‖² − ‖e_k‖²).
-/// Residuals and interpolation errors are those in functions of degree 2. The control counts as exact. Makes
-/// one forward and one adjoint sweep for each motion. Storage "checkpoints" uses another half of its budget
-/// for the desired motion. `by_cells`: null, or receives for each owned cell the sum of the moduli of its
-/// shares in the space part. Throws SolverFailure, Interrupted, WriteFailure. Collective.
+///  - the interpolation error δ of a given desired displacement y_d, by its effect on J,
+///    Σ_k ½ weight(k) (‖e_k − δ_k‖² − ‖e_k‖²) with e_k = y_k − y_d,k.
+/// In space, residuals and interpolation errors are evaluated in functions of degree 2; for elements of
+/// degree 2 only the errors in time are estimated. The control counts as exact. Makes one forward and one
+/// adjoint sweep for each motion. With trajectory.storage = "checkpoints" and a reference control, additional
+/// checkpoints take half of the budget once more. `by_cells`: null, or receives for each owned cell the sum
+/// of the moduli of its shares in the space part. Throws SolverFailure, Interrupted, WriteFailure.
+/// Collective.
 adjoint::ErrorParts estimate_error(const problem::Problem& problem,
                                    const problem::ControlProblem& control_problem,
                                    std::vector<double>* by_cells = nullptr);

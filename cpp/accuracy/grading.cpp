@@ -133,7 +133,7 @@ UserError no_answer(const scene::Scene& scene, double coarse, double fine, std::
 
 } // namespace
 
-void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vector<double>& sizes) {
+void require_sizes_take_effect(MPI_Comm comm, const scene::Scene& scene, const std::vector<double>& sizes) {
   std::vector<double> coarsest = sizes;
   std::ranges::sort(coarsest, std::greater());
   const auto [last, end] = std::ranges::unique(coarsest);
@@ -147,7 +147,7 @@ void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vect
                     "--sizes that change the mesh, or only one size");
 }
 
-void require_answer(MPI_Comm comm, const scene::Scene& scene) {
+void require_size_takes_effect(MPI_Comm comm, const scene::Scene& scene) {
   const double size = scene.mesh.size.value_or(scene.mesh.scale);
   const std::int64_t own = cells(comm, scene.mesh, size);
   // The coarser mesh first: it is quicker to make, but where the body's own edges limit it the finer one

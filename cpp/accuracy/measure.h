@@ -12,7 +12,7 @@ struct SamplePoints {
   fem::Quadrature body;
   int dim = 2;
   std::vector<double> times; ///< evenly spaced times from 0 to time.end, s
-  std::string digest;        ///< digest of times, points and the mesh of the points; on rank 0
+  std::string digest;        ///< digest of times, points and the mesh of the points; set on rank 0 only
 
   /// Takes the quadrature points of the scene's mesh. If these are too many, takes those of meshes with 2, 4,
   /// … times the element size, until there are few enough or coarsening does not reduce them. Throws
@@ -28,10 +28,10 @@ struct SamplePoints {
 /// UserError.
 Exact exact_values(const scene::Scene& scene, const SamplePoints& samples);
 
-/// Simulates the scene of a rung and measures the `wanted` quantities. With an objective, the control is that
-/// of `check` (drivers::evaluation_point()), else control.initial. Measuring the gradient takes an adjoint
-/// sweep. `estimate`: whether to estimate the error of J, the time for which is not measured. Throws
-/// UserError, SolverFailure, Interrupted. Collective.
+/// Simulates the scene of a rung and measures the `wanted` quantities. The control is
+/// drivers::evaluation_point() if the scene has an objective, else control.initial. Measuring the gradient
+/// takes an adjoint sweep. `estimate`: whether to estimate also the error of J if there is an objective; the
+/// measured seconds and memory do not include this. Throws UserError, SolverFailure, Interrupted. Collective.
 Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& samples,
                  const std::vector<Quantity>& wanted, bool estimate);
 

@@ -41,7 +41,7 @@ public:
   [[nodiscard]] Reach reach() const override { return {.order = 2, .finer = 3, .coarser = 1}; }
   [[nodiscard]] int dim() const override { return level_->problem().mesh.dim(); }
 
-  [[nodiscard]] std::vector<Rung> beginnings() const override {
+  [[nodiscard]] std::vector<Rung> first_rungs() const override {
     std::vector<Rung> rungs;
     for (const double multiple : accuracy::beginnings) {
       Rung rung = own_rung(scene_);
@@ -53,7 +53,7 @@ public:
 
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
     Rung next = rung;
-    if (!rung.chooses_steps())
+    if (!rung.has_varying_steps())
       next.steps = std::max(least_steps, rung.steps);
     return next;
   }
@@ -67,7 +67,8 @@ public:
   [[nodiscard]] std::string words(const Rung& rung) const override {
     if (!sizes_vary())
       return accuracy::words(rung, scene_);
-    return fmt::format("sizes {:.2g} of the first, {}", rung.size, words_of_step(rung, scene_));
+    return fmt::format("element sizes {:.2g} times those of round 1, {}", rung.size,
+                       words_of_step(rung, scene_));
   }
 
   TrialRun run(const Rung& rung) override {
@@ -134,7 +135,7 @@ public:
         "{:.1e}, search {:.1e}). {} forward + {} adjoint sweeps, {:.2g} s; {:.2g} s so far{}",
         rows_.size() + 1, row_.free_unknowns, row_.steps, row_.objective, trial.error(), trial.space,
         trial.time, trial.search, row_.forward_sweeps, row_.adjoint_sweeps, row_.seconds, elapsed_.seconds(),
-        better ? "" : "; not written, since its error is larger"));
+        better ? "" : "; not written, since an earlier round has a smaller error"));
     rows_.push_back(row_);
   }
 
@@ -187,7 +188,7 @@ private:
   double search(drivers::SearchLevel<Method>& level) {
     optimize::Options options = drivers::search_options(level.control_problem().controls, scene_.optimizer);
     options.max_iterations = std::max(options.max_iterations, most_iterations);
-    const auto start = level_ ? level_->on(level.control_problem(), options)
+    const auto start = level_ ? level_->start_for(level.control_problem(), options)
                               : drivers::SearchStart<Method>{level.first_guess()};
     /// Records iterates, and ends the search when the decrease of J becomes small.
     struct Report {
@@ -196,7 +197,7 @@ private:
       bool operator()(const optimize::Iteration& iteration) {
         record(iteration);
         constexpr int fewest = 3;
-        promised = iteration.promised / std::abs(iteration.objective);
+        promised = iteration.predicted_decrease / std::abs(iteration.objective);
         return iteration.number < fewest || std::max(promised, gained(record.history())) > enough;
       }
       void certified(const optimize::Certificate<control::Variables>& certificate) {
@@ -257,7 +258,7 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
                                 "in space compares degree 1 with degree 2",
                                 scene.mesh.degree));
   if (!scene.mesh.meshed() && !scene.mesh.automatic())
-    require_answer(comm, scene);
+    require_size_takes_effect(comm, scene);
   return drivers::with_method(scene.optimizer.method,
                               [&]<template <optimize::TwiceDifferentiable> class Method>() {
                                 return refine<Method>(comm, scene, out, asked, console);

@@ -20,7 +20,7 @@ std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
     all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
     all.push_back({"impulse_duration" + end, "time from 1 to 99 % of the impulse" + of, "s"});
     all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each, false, false, false});
-    all.push_back({"peak_force" + end, "peak force of two steps" + of, "N" + each, false, false, false});
+    all.push_back({"peak_force" + end, "peak force (two-step mean)" + of, "N" + each, false, false, false});
     all.push_back({"contact_start" + end, "start of contact" + of, "s"});
     all.push_back({"contact_time" + end, "time in contact" + of, "s", false, false, false});
   };
@@ -53,7 +53,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
   return all;
 }
 
-bool Quantity::doubted_by(const Warning& warning) const {
+bool Quantity::affected_by(const Warning& warning) const {
   if (warning.name == diagnostics::stress_of_the_mesh)
     return name == of_stress;
   return warning.name != trajectory::peak_of_the_mesh || name.starts_with("peak_force") ||
@@ -63,7 +63,7 @@ bool Quantity::doubted_by(const Warning& warning) const {
 std::string Measured::warning(const Quantity& quantity) const {
   std::string text;
   for (const Warning& warning : warnings)
-    if (quantity.doubted_by(warning))
+    if (quantity.affected_by(warning))
       text += fmt::format("{}{}", text.empty() ? "" : "; ", warning.message);
   return text;
 }

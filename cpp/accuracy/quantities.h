@@ -11,12 +11,14 @@ namespace signorini::accuracy {
 /// A quantity that is compared between runs.
 struct Quantity {
   std::string name, title, unit;
-  bool field = false;    ///< whether the quantity is a field, else a number
-  bool absolute = false; ///< whether the quantity is relative already, so that errors are plain differences
-  bool limited = true;   ///< whether the quantity converges with steps and mesh in every motion
+  bool field = false; ///< whether the quantity is a field rather than a number
+  /// Whether errors are not divided by a norm, since the quantity is relative already.
+  bool already_relative = false;
+  bool converges = true; ///< whether the quantity converges with steps and mesh in every motion
 
-  /// Whether a warning about a motion concerns this quantity; warnings about peaks concern only peaks.
-  [[nodiscard]] bool doubted_by(const Warning& warning) const;
+  /// Whether a warning about a motion concerns this quantity. A warning about peak forces concerns only peak
+  /// forces, a warning about the stress only the stress. Every other warning concerns all quantities.
+  [[nodiscard]] bool affected_by(const Warning& warning) const;
 };
 
 /// Measurements of one run: cost, and values of quantities.
@@ -24,7 +26,7 @@ struct Measured {
   long unknowns = 0;
   int steps = 0;
   double seconds = 0;                    ///< time of set-up and sweeps
-  double memory = 0;                     ///< peak of the memory that the run adds to the program's, bytes
+  double memory = 0;                     ///< peak minus the memory before the run, on all ranks, bytes
   std::map<std::string, double> numbers; ///< values of numbers, by name of the quantity
   std::map<std::string, std::vector<double>>
       fields; ///< samples of fields by name, scaled so that their sum of squares is the squared norm
@@ -65,13 +67,14 @@ struct Exact {
 
 constexpr const char* of_stress = "largest_von_mises"; ///< name of the largest von Mises stress
 
-/// All quantities that can be compared for a scene. These are displacement and largest von Mises stress;
-/// impulse, forces and times of contact; energy_loss if all obstacles are at rest; pressure if the scene
-/// gives the exact pressure; J and the gradient if the scene has an objective. `dim` determines the units.
+/// All quantities that can be compared for a scene. Every scene has the displacement and the largest von
+/// Mises stress. A scene with an objective also has J and, if control values are nodal, the gradient. A scene
+/// with contact also has the impulse, forces and times of contact, energy_loss if all obstacles are at rest,
+/// and the pressure if its exact value is given. `dim` determines the units.
 std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
 
-/// Selects quantities by their names. Without names, selects all but the gradient, and but the stress if the
-/// scene stores no stress. Throws UserError if a name is unknown.
+/// Selects quantities by their names. If `names` is empty, selects all quantities except the gradient, and
+/// except the stress if the scene does not store it. Throws UserError if a name is unknown.
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);
 
 } // namespace signorini::accuracy

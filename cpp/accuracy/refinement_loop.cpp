@@ -60,12 +60,12 @@ Rung Refinement::proposed(const TrialRun& from) const {
 }
 
 TrialRun Refinement::begin() {
-  if (const std::optional<Rung> rung = trials_.unestimated()) {
+  if (const std::optional<Rung> rung = trials_.preliminary_rung()) {
     constexpr double nothing = 1; // a relative error: nothing is known
     best_ = {.rung = *rung, .space = nothing, .time = nothing};
     trials_.conclude(*best_, true);
   }
-  const std::vector<Rung> rungs = trials_.beginnings();
+  const std::vector<Rung> rungs = trials_.first_rungs();
   for (std::size_t i = 0; i + 1 < rungs.size(); ++i)
     try {
       return tried(rungs[i]);
@@ -80,7 +80,7 @@ TrialRun Refinement::tried(const Rung& rung) {
   const auto take = [&] {
     constexpr double any_reach = 1e6; // of a rung that is not run
     const double aimed = trial.error() > tolerance_ ? aim * tolerance_ : trial.error() / 2;
-    further_ = trials_.seconds(towards(trial, aimed, any_reach));
+    seconds_to_next_goal_ = trials_.seconds(towards(trial, aimed, any_reach));
     best_ = trial;
     trials_.conclude(trial, true);
   };
@@ -102,7 +102,7 @@ TrialRun Refinement::tried(const Rung& rung) {
 }
 
 void Refinement::run(bool economise) {
-  std::optional<Rung> other_degree = trials_.other_degree();
+  std::optional<Rung> other_degree = trials_.first_rung_of_other_degree();
   TrialRun last = begin();
   if (last.meets(tolerance_) && !economise)
     return;
@@ -124,7 +124,7 @@ void Refinement::run(bool economise) {
       continue;
     last = trial;
   }
-  ended_ = fmt::format("the error is still too large after {} runs", most_runs);
+  stop_reason_ = fmt::format("the error is still too large after {} runs", most_runs);
 }
 
 std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Rung>& other_degree) {
@@ -142,10 +142,10 @@ std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Ru
   const double expected = trials_.seconds(next);
   console_.line(fmt::format("next: {}, about {:.2g} s", trials_.words(next), expected));
   if (budget_ && elapsed_.seconds() + expected > *budget_) {
-    console_.line(fmt::format("that run would exceed the budget of {:.3g} s (--budget)", *budget_));
+    console_.line(fmt::format("the next run would exceed the budget of {:.3g} s (--budget)", *budget_));
     const std::optional<Rung> fitting = within_budget(last.rung, next, other_degree);
     if (!fitting) {
-      ended_ = fmt::format("the next run would exceed the budget of {:.3g} s", *budget_);
+      stop_reason_ = fmt::format("the next run would exceed the budget of {:.3g} s", *budget_);
       return std::nullopt;
     }
     next = *fitting;
@@ -185,18 +185,18 @@ namespace {
 std::string sentence(const Refinement& refinement, const TrialRuns& trials, const AccuracyAsked& asked,
                      const std::string& end) {
   const TrialRun& best = *refinement.best();
-  std::string text = fmt::format("{:g} of {} asked, ", asked.error, asked.quantities.front());
+  std::string text =
+      fmt::format("relative error of {}: {:g} requested, ", asked.quantities.front(), asked.error);
   if (best.seconds == 0)
     return text + fmt::format("no error estimate yet: {}; {}, {:.2g} s in all", end, trials.words(best.rung),
                               refinement.seconds());
   text += fmt::format("{:.2e} estimated (space {:.1e}, time {:.1e}", best.error(), best.space, best.time);
   if (best.search > 0)
     text += fmt::format(", search {:.1e}", best.search);
-  return text + fmt::format("): {}; {}, {:.2g} s in all, {:.2g} s of them for this run; {} would take about "
-                            "{:.2g} s",
-                            end, trials.words(best.rung), refinement.seconds(), best.seconds,
-                            refinement.within() ? "half of this error" : "the error asked",
-                            refinement.further());
+  return text + fmt::format("): {}; {}, {:.2g} s for this run, {:.2g} s in all; {} would take about {:.2g} s",
+                            end, trials.words(best.rung), best.seconds, refinement.seconds(),
+                            refinement.within() ? "half of the estimated error" : "the requested error",
+                            refinement.seconds_to_next_goal());
 }
 
 } // namespace
@@ -223,12 +223,12 @@ int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& t
     throw;
   }
   const bool late = time_is_up(comm), met = refinement.met();
-  const std::string &warning = refinement.best()->warning, &ended = refinement.ended();
+  const std::string &warning = refinement.best()->warning, &stop_reason = refinement.stop_reason();
   conclude(met                ? "met"
            : late             ? "not met, the budget is spent"
            : interrupted      ? "not met, interrupted"
            : !warning.empty() ? "not verified, " + warning
-                              : "not met" + (ended.empty() ? "" : ", " + ended));
+                              : "not met" + (stop_reason.empty() ? "" : ", " + stop_reason));
   return met                    ? exit_status::done
          : interrupted && !late ? exit_status::interrupted
                                 : exit_status::check_failed;

@@ -16,25 +16,27 @@ struct SizeAndStep {
 };
 
 /// Observed order of an error that changed from `coarse` to `fine` when the element size or step was
-/// multiplied by `factor`. Clamped to 0.5 (wave fronts of an impact) to 2.5 (slightly above the order of the
-/// schemes). Returns `otherwise` unless the factor is below 0.9 and both errors are positive.
+/// multiplied by `factor`. The order is clamped to the range from 0.5 (wave fronts of an impact) to 2.5
+/// (slightly above the order of the schemes). Returns `otherwise` unless the factor is below 0.9 and both
+/// errors are positive.
 double observed_order(double coarse, double fine, double factor, double otherwise);
 
 /// Factors on size and step with which the parts of `error` add up to `target` at the least cost. The parts
 /// are proportional to powers of the factors with the exponents `orders`; the cost is proportional to
-/// size^(−dim·step_power(dim)) / step. Each factor is between `least` and `most`. If `most` is at most 1 and
-/// one part is already below its share of the target, the other part gets the remainder.
+/// size^(−dim·step_power(dim)) / step. Each factor is between `least` and `most`. If `most` is at most 1,
+/// size and step cannot grow: a part that is already below its optimal share of the target keeps its value,
+/// and the other part gets the rest of the target.
 SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders, double target, int dim,
                              double least, double most);
 
 /// A run on one rung, and the estimated parts of its relative error.
 struct TrialRun {
   Rung rung;
-  double space = 0, time = 0; ///< relative errors of the mesh and of the time steps
+  double space = 0, time = 0; ///< relative errors due to the mesh and due to the time steps
   double search = 0;          ///< relative error of the search: the decrease of J that remains
   double seconds = 0;         ///< duration of this run
   std::string grounds{};      ///< how the error was estimated, in words
-  std::string warning{};      ///< why the run is not verified although its error is small; empty if it is
+  std::string warning{};      ///< why an error within the tolerance counts as not verified, else empty
   /// Estimated relative error: the sum of its parts.
   [[nodiscard]] double error() const { return space + time + search; }
   /// Whether the error is at most `tolerance`, without a warning.
@@ -60,13 +62,15 @@ public:
   /// Title of the quantity whose error is estimated.
   [[nodiscard]] virtual std::string title() const { return "J"; }
   /// Rungs for the first run; the first rung that can be meshed and solved is used.
-  [[nodiscard]] virtual std::vector<Rung> beginnings() const = 0;
-  /// A coarse rung whose results are stored before any error is estimated; absent: none.
-  [[nodiscard]] virtual std::optional<Rung> unestimated() const { return {}; }
-  /// The rung nearest to `rung` that can be run and estimated, with steps that are not longer.
+  [[nodiscard]] virtual std::vector<Rung> first_rungs() const = 0;
+  /// Coarse rung whose results are stored first, before any error is estimated; absent if there is none.
+  [[nodiscard]] virtual std::optional<Rung> preliminary_rung() const { return {}; }
+  /// Returns `rung` or, if that cannot be run and estimated, the nearest rung that can. Its steps are never
+  /// longer than those of `rung`.
   [[nodiscard]] virtual Rung nearest(const Rung& rung) const = 0;
-  /// A rung of another degree, which is tried once if it costs less than the next refinement; absent: none.
-  [[nodiscard]] virtual std::optional<Rung> other_degree() const { return {}; }
+  /// Rung of another degree, which is tried once if it costs less than the next refinement; absent if there
+  /// is none.
+  [[nodiscard]] virtual std::optional<Rung> first_rung_of_other_degree() const { return {}; }
   /// Predicted seconds of all runs that are needed to run and estimate a rung.
   [[nodiscard]] virtual double seconds(const Rung& rung) = 0;
   /// Describes size and step of a rung.
@@ -74,10 +78,10 @@ public:
 
   /// Runs a rung and estimates its error.
   virtual TrialRun run(const Rung& rung) = 0;
-  /// Compares the last run with a run with half the step length. Sets the warning of `trial`, and raises its
-  /// error in time if the difference is larger.
+  /// Compares the last run, `trial`, with a run with half the step length. Sets the warning of `trial`.
+  /// Raises its error in time if the comparison yields a larger one.
   virtual void verify(TrialRun& trial) = 0;
-  /// Ends the last run, and stores its results if `better`: if it is better than all runs before.
+  /// Ends the last run, and stores its results if `better`, that is, if it is better than all runs before.
   virtual void conclude(const TrialRun& trial, bool better) = 0;
 };
 
@@ -105,10 +109,10 @@ public:
   /// Whether the estimated error of best() is within the tolerance, with or without a warning.
   [[nodiscard]] bool within() const { return best_ && best_->error() <= tolerance_; }
   /// Reason why the refinement ended before the tolerance was met; may be empty.
-  [[nodiscard]] const std::string& ended() const { return ended_; }
-  /// Predicted seconds of a run that meets the tolerance; if within(), of a run with half the error of
-  /// best().
-  [[nodiscard]] double further() const { return further_; }
+  [[nodiscard]] const std::string& stop_reason() const { return stop_reason_; }
+  /// Predicted seconds of a run that meets the tolerance. If best() is already within the tolerance, it is a
+  /// run with half the error of best().
+  [[nodiscard]] double seconds_to_next_goal() const { return seconds_to_next_goal_; }
   /// Seconds since the start of the refinement.
   [[nodiscard]] double seconds() const { return elapsed_.seconds(); }
 
@@ -128,8 +132,8 @@ private:
   const Console& console_;
   SizeAndStep orders_;
   std::optional<TrialRun> best_;
-  std::string ended_;
-  double further_ = 0;
+  std::string stop_reason_;
+  double seconds_to_next_goal_ = 0;
 };
 
 /// Accuracy, budget and quantity that the command line requests.
@@ -142,7 +146,7 @@ struct AccuracyAsked {
 /// Runs a refinement for --accuracy, until the requested error is met or a time limit set by stop_after()
 /// passes. Prints a sentence with the requested and the estimated error, the time taken, and the predicted
 /// time for a smaller error. Returns the exit status: 1 if the error is not met, 130 if interrupted. Throws
-/// UserError, SolverFailure; Interrupted before the first result. Collective.
+/// UserError, SolverFailure. Throws Interrupted if it is interrupted before the first result. Collective.
 int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& trials,
                        const AccuracyAsked& asked, const std::filesystem::path& out, const Console& console);
 

@@ -178,8 +178,8 @@ RungCache::~RungCache() {
 std::filesystem::path RungCache::file(const Rung& rung) const {
   return folder_ / rungs_folder /
          fmt::format("{}size-{:.10g}-{}-degree-{}-{}.cbor", rung.graded ? "graded-" : "", rung.size,
-                     rung.chooses_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
-                                          : fmt::format("steps-{}", rung.steps),
+                     rung.has_varying_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
+                                              : fmt::format("steps-{}", rung.steps),
                      rung.degree, scene::name(rung.scheme));
 }
 
@@ -251,7 +251,7 @@ std::string csv(const std::vector<RungResult>& results, const std::vector<Errors
     const auto [scheme, mass] = scheme_and_mass(rung.scheme);
     text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f},{},{:d}", i + 1, rung.size,
                         end / run->steps, rung.degree, scheme, mass, run->unknowns, run->steps, run->seconds,
-                        run->memory, rung.chooses_steps() ? fmt::format("{:.17g}", rung.tolerance) : "",
+                        run->memory, rung.has_varying_steps() ? fmt::format("{:.17g}", rung.tolerance) : "",
                         rung.graded);
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
@@ -307,7 +307,7 @@ std::string json(const scene::Scene& scene, const std::vector<RungResult>& resul
          {"degree", one.degree},
          {"scheme", scheme},
          {"mass", mass},
-         {"steps", one.chosen ? "chosen" : "of one length"},
+         {"steps", one.varying_steps ? "chosen" : "of one length"},
          {"mesh", one.graded ? "graded" : "of one size"},
          {"space", given(one.space)},
          {"time", given(one.time)},

@@ -11,17 +11,18 @@ namespace signorini::accuracy {
 /// Results of a rung, loaded from the folder of a study.
 struct CachedRung {
   std::optional<Measured> measured; ///< the results; absent if the rung has to run
-  std::string unfit;                ///< why the rung's file cannot be used; empty if it can or there is none
+  std::string unfit;                ///< why the rung's file cannot be used; empty if it is usable or missing
 };
 
 /// Result of a search, loaded from the folder of a study.
 struct CachedSearch {
   std::optional<SearchCost> cost; ///< the result; absent if the search has to run
-  std::string unfit;              ///< why the search's file cannot be used; empty if it can or there is none
+  std::string unfit;              ///< why the search's file cannot be used; empty if it is usable or missing
 };
 
 /// Folder of a study: a file for each rung and search that has run, and tables of all results. A later study
-/// of the same scene continues from these files. Files are replaced as a whole. Used on rank 0. All members
+/// of the same scene continues from these files. Each file is replaced atomically, so that an interruption
+/// leaves the old file or the new one. Used on rank 0. All members
 /// throw UserError.
 class RungCache {
 public:
@@ -55,7 +56,8 @@ private:
 /// Text of study.csv: a row for each rung that has run. `end`: end of the motion, s.
 std::string csv(const std::vector<RungResult>& results, const std::vector<Errors>& errors, double end);
 
-/// Text of study.json: scene, quantities, orders and sentences of a study, and the number of its searches.
+/// Text of study.json: scene, quantities and orders of a study, its conclusions in words (`sentences`), and
+/// the number of its searches.
 std::string json(const scene::Scene& scene, const std::vector<RungResult>& results, std::size_t searches,
                  const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences);

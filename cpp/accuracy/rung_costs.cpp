@@ -80,7 +80,7 @@ Extent extent(const std::vector<Rung>& rungs, int degree) {
 std::optional<Rung> easiest_of_chosen(const std::vector<Rung>& rungs) {
   std::optional<Rung> found;
   for (const Rung& rung : rungs) {
-    if (!rung.chooses_steps())
+    if (!rung.has_varying_steps())
       continue;
     if (!found)
       found = rung;
@@ -127,22 +127,22 @@ double RungCosts::unknowns(const Rung& rung) const {
                               : fewest * std::pow(coarsest / rung.size, power);
 }
 
-double RungCosts::priced(const Rung& rung) const {
-  const double steps = rung.chooses_steps() ? steps_by_width_ / rung.step_width() : rung.steps;
+double RungCosts::predicted(const Rung& rung) const {
+  const double steps = rung.has_varying_steps() ? steps_by_width_ / rung.step_width() : rung.steps;
   return of(rung).cost.seconds(unknowns(rung), steps);
 }
 
 double RungCosts::seconds(const Rung& rung) const {
-  return expected_ > 0 ? priced(rung) * found_ / expected_ : priced(rung);
+  return expected_ > 0 ? predicted(rung) * found_ / expected_ : predicted(rung);
 }
 
 void RungCosts::learn(const Rung& rung, double seconds) {
-  expected_ += priced(rung);
+  expected_ += predicted(rung);
   found_ += seconds;
 }
 
-RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
-                const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate) {
+RungCosts predict_costs(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
+                        const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate) {
   const ShortRuns runs(comm, scene, samples, wanted, estimate);
   double steps_by_width = 0;
   std::vector<Rung> of_one_length = rungs;
@@ -150,7 +150,7 @@ RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung
     const int steps = measure(comm, on_rung(scene, *first), samples, wanted, estimate).steps;
     steps_by_width = steps * first->step_width();
     for (Rung& rung : of_one_length)
-      if (rung.chooses_steps())
+      if (rung.has_varying_steps())
         rung.steps = static_cast<int>(std::ceil(steps_by_width / rung.step_width())), rung.tolerance = 0;
   }
   std::vector<RungCosts::DegreeCost> known;

@@ -13,7 +13,7 @@ public:
     double unknowns, setup, step; ///< number of unknowns; seconds of the set-up and of one step
   };
 
-  /// Fits the model to the times on a coarse and a finer mesh, or on one mesh; then a is taken as zero.
+  /// Fits the model to the times on a coarse and a finer mesh. If there is only one mesh, a is taken as zero.
   CostModel(const std::vector<Timed>& timed, int dim);
 
   /// Predicted seconds of a run with the given numbers of unknowns and steps.
@@ -53,7 +53,7 @@ public:
 
 private:
   [[nodiscard]] const DegreeCost& of(const Rung& rung) const;
-  [[nodiscard]] double priced(const Rung& rung) const;
+  [[nodiscard]] double predicted(const Rung& rung) const;
   std::vector<DegreeCost> known_;
   double steps_by_width_;
   double expected_ = 0, found_ = 0; ///< predicted and measured seconds of the rungs that have run
@@ -64,7 +64,7 @@ private:
 /// Steps of varying length are assumed to cost as much as steps of one length; their number is measured with
 /// the largest tolerance on the coarsest mesh. `estimate`: whether rungs include the error estimate of J.
 /// Throws UserError, SolverFailure, Interrupted. Collective.
-RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
-                const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate);
+RungCosts predict_costs(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
+                        const SamplePoints& samples, const std::vector<Quantity>& wanted, bool estimate);
 
 } // namespace signorini::accuracy

@@ -75,7 +75,7 @@ std::vector<Rung> rungs_in_time(const scene::Time& time, const Choice& choice) {
 
 Rung Rung::with_steps(double factor) const {
   Rung changed = *this;
-  if (chooses_steps())
+  if (has_varying_steps())
     changed.tolerance = std::min(scene::Time::most_tolerance, factor * factor * tolerance);
   else
     changed.steps = static_cast<int>(std::min<double>(std::ceil(steps / factor), scene::Time::most_steps));
@@ -83,8 +83,9 @@ Rung Rung::with_steps(double factor) const {
 }
 
 SchemeAndMass scheme_and_mass(scene::ContactScheme scheme) {
-  return {scene::name(time_scheme(scheme)),
-          scene::takes_mass(scheme) ? scene::name(scheme) : scene::name(scene::ContactMass::consistent)};
+  return {scene::name(time_scheme(scheme)), scene::has_massless_candidates(scheme)
+                                                ? scene::name(scheme)
+                                                : scene::name(scene::ContactMass::consistent)};
 }
 
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {
@@ -141,8 +142,8 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
     (changed.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
   }
   changed.time.steps = rung.steps;
-  changed.time.step = rung.chooses_steps() ? 0 : scene.time.end / rung.steps;
-  if (rung.chooses_steps())
+  changed.time.step = rung.has_varying_steps() ? 0 : scene.time.end / rung.steps;
+  if (rung.has_varying_steps())
     changed.time.tolerance = rung.tolerance;
   changed.mesh.degree = rung.degree;
   changed.time.scheme = time_scheme(rung.scheme);
@@ -160,8 +161,8 @@ double work(const Rung& rung, int dim) {
 }
 
 std::string words_of_step(const Rung& rung, const scene::Scene& scene) {
-  return rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
-                              : fmt::format("step {:.3g}", scene.time.end / rung.steps);
+  return rung.has_varying_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
+                                  : fmt::format("step {:.3g}", scene.time.end / rung.steps);
 }
 
 std::string words(const Rung& rung, const scene::Scene& scene) {

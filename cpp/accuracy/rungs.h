@@ -16,13 +16,13 @@ struct Rung {
   int degree = 1;  ///< degree of the displacement
   scene::ContactScheme scheme = scene::ContactScheme::contact_implicit;
   double tolerance = 0; ///< time.tolerance of steps of varying length, else 0
-  bool graded = false;  ///< whether the mesh is graded (Mesh::graded), with as many elements as one of `size`
+  bool graded = false;  ///< whether the mesh is Mesh::graded, scaled to about as many elements as at `size`
 
   /// Whether steps vary in length.
-  [[nodiscard]] bool chooses_steps() const { return tolerance > 0; }
+  [[nodiscard]] bool has_varying_steps() const { return tolerance > 0; }
   /// Dimensionless width of the steps, to whose square the error in time is proportional. For steps of equal
   /// length: length of a step over the duration of the motion; for steps of varying length: √tolerance.
-  [[nodiscard]] double step_width() const { return chooses_steps() ? std::sqrt(tolerance) : 1.0 / steps; }
+  [[nodiscard]] double step_width() const { return has_varying_steps() ? std::sqrt(tolerance) : 1.0 / steps; }
   /// This rung with a step_width() that is `factor` times as large; numbers of steps are rounded up.
   [[nodiscard]] Rung with_steps(double factor) const;
 
@@ -35,7 +35,7 @@ struct Choice {
   std::vector<int> degrees{};
   std::vector<std::string> schemes{};  ///< names of scene::ContactScheme except mixed
   std::vector<double> tolerances = {}; ///< values of time.tolerance for steps of varying length
-  bool graded = false;                 ///< whether to add all rungs with graded meshes
+  bool graded = false;                 ///< whether to run each rung also with a graded mesh
 };
 
 /// Values of time.scheme and contact.mass for a contact scheme; mass is "mixed" if it differs between
@@ -45,12 +45,12 @@ struct SchemeAndMass {
 };
 SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
 
-/// Makes all rungs of a ladder: every size with every step or tolerance, degree and scheme. Default sizes and
-/// steps are 1, 2 and 4 times the scene's. If time.step is "auto", the defaults are 1, 4 and 16 times the
-/// scene's tolerance and no steps; else no tolerances. If the .geo sets its own sizes, sizes are factors on
-/// these; a .msh has one size. Graded rungs are added to uniform ones. Steps are rounded so that they divide
-/// time.end. A named scheme applies to every contact; by default each contact keeps its scheme. Throws
-/// UserError.
+/// Makes all rungs of a ladder: every size with every step or tolerance, degree and scheme. Default sizes are
+/// 1, 2 and 4 times the scene's. If the .geo sets its own sizes, sizes are factors on these; for a .msh there
+/// is only one size, its own. If time.step is a number, the default steps are 1, 2 and 4 times this number,
+/// and there are no default tolerances. If time.step is "auto", the default tolerances are 1, 4 and 16 times
+/// the scene's, and there are no default steps. Steps are rounded so that they divide time.end. A named
+/// scheme applies to every contact; by default each contact keeps its scheme. Throws UserError.
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice);
 
 /// Rung with the scene's own size, steps, degree and scheme.
@@ -66,7 +66,8 @@ constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
 /// Number proportional to the number of unknowns of a rung.
 double relative_unknowns(const Rung& rung, int dim);
 
-/// Number proportional to the run time of a rung; comparable among rungs with the same kind of steps.
+/// Number proportional to the run time of a rung; comparable among rungs that all have steps of equal length,
+/// or all steps of varying length.
 double work(const Rung& rung, int dim);
 
 /// Describes a rung: "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1", with the

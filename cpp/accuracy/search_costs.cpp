@@ -106,13 +106,13 @@ std::string sentence(const std::vector<SearchCost>& searches, double error) {
     if (above[i] <= small * error && (!cheapest || searches[i].seconds < cheapest->seconds))
       cheapest = &searches[i];
   if (!cheapest)
-    return fmt::format("no search leaves less than a tenth of the error that size and step cause in J, "
-                       "{:.2g} %",
-                       100 * error);
-  return fmt::format("optimizer.tolerance = {:.3g} leaves less than a tenth of the error that size and step "
-                     "cause in J, {:.2g} %: {} forward + {} adjoint sweeps, {:.2g} s",
-                     cheapest->tolerance, 100 * error, cheapest->forward_sweeps, cheapest->adjoint_sweeps,
-                     cheapest->seconds);
+    return "no recommendation for optimizer.tolerance: the least J of all searches is 0, so that relative "
+           "errors are undefined";
+  return fmt::format(
+      "size and step cause an error of {:.2g} % in J. A search with optimizer.tolerance = {:.3g} adds less "
+      "than a tenth of this error, with {} forward + {} adjoint sweeps in {:.2g} s",
+      100 * error, cheapest->tolerance, cheapest->forward_sweeps, cheapest->adjoint_sweeps,
+      cheapest->seconds);
 }
 
 } // namespace signorini::accuracy

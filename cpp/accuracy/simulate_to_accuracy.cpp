@@ -67,7 +67,7 @@ int simulate_to_accuracy(MPI_Comm comm, scene::Scene scene, const std::filesyste
                                 .warning = found.warning};
     (void)drivers::simulate_scene(comm, on_rung(scene, found.rung), out, how, Console(false, false));
     how.replace = true; // from now on it is this run's own
-    how.whole = true;
+    how.complete_only = true;
   };
   const std::unique_ptr<TrialRuns> trials =
       study_trials(comm, simulated, asked.quantities, "--accuracy", console, keep);

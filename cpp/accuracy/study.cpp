@@ -208,7 +208,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
     on_root(comm, [&] { store.emplace(out); });
   std::vector<double> sizes;
   std::ranges::transform(rungs, std::back_inserter(sizes), &Rung::size);
-  require_answer_to(comm, scene, sizes);
+  require_sizes_take_effect(comm, scene, sizes);
   if (options.choice.graded && !options.dry_run) {
     scene.mesh.graded = std::filesystem::absolute(out) / "graded.geo";
     write_graded(comm, scene, scene.mesh.graded, console);
@@ -224,7 +224,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
     std::vector<Rung> priced = rungs;
     for (Rung& rung : priced)
       rung.graded = false;
-    prices = price(comm, scene, priced, samples, wanted, scene.objective.has_value());
+    prices = predict_costs(comm, scene, priced, samples, wanted, scene.objective.has_value());
   }
   if (options.dry_run) {
     show_prices(console, rungs, *prices, options.search_tolerances.size(), scene);

@@ -24,11 +24,12 @@ struct Options {
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
               const Options& options, const Console& console);
 
-/// Runs the verb study with --suggest: proposes size and step for a relative error below `tolerance`, of the
-/// one quantity that `options` name, by default of J. Estimates the error on the scene's own rung
-/// (study_trials()), runs the proposal that follows, and reports whether the estimate there meets the
-/// tolerance. If not, repeats this from the proposal, within the budget (default: ten minutes). Returns the
-/// exit status: 1 if the tolerance is not met. Throws UserError, SolverFailure, Interrupted. Collective.
+/// Runs the verb study with --suggest: proposes size and step for which the relative error of one quantity is
+/// below `tolerance`. options.quantities names this quantity, by default J. Estimates the error on the
+/// scene's own rung (study_trials()), derives a proposal, runs it, and reports whether its estimated error
+/// meets the tolerance. If not, repeats this from the proposal, within the budget (default: ten minutes).
+/// Returns the exit status: 1 if the tolerance is not met. Throws UserError, SolverFailure, Interrupted.
+/// Collective.
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console);
 

@@ -14,12 +14,12 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   Refinement refinement(*trials, tolerance, options.budget.value_or(usual_budget), elapsed, console);
   refinement.run(true);
   const TrialRun& found = *refinement.best();
-  console.line(fmt::format("a relative error of {:g} in {} is {}: {}, {}, run time {:.2g} s; found in {:.2g} "
-                           "s",
+  console.line(fmt::format("a relative error of {:g} in {} is {}: {}, {}, run time {:.2g} s; this suggestion "
+                           "took {:.2g} s",
                            tolerance, trials->title(),
                            refinement.met()        ? "met by"
-                           : found.warning.empty() ? "not met; the nearest is"
-                                                   : "not verified (" + found.warning + "); the nearest is",
+                           : found.warning.empty() ? "not met; the best run is"
+                                                   : "not verified (" + found.warning + "); the best run is",
                            trials->words(found.rung), found.grounds, found.seconds, elapsed.seconds()));
   return refinement.met() ? 0 : 1;
 }

@@ -57,7 +57,7 @@ Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
   if (const std::optional<double> error = own_error(errors_, results, scene); error && !searches.empty())
     sentences_.push_back(sentence(searches, *error));
   std::ranges::stable_sort(orders_, {}, [](const Orders& one) {
-    return std::tuple(one.degree, one.scheme, one.chosen, one.graded);
+    return std::tuple(one.degree, one.scheme, one.varying_steps, one.graded);
   });
 }
 
@@ -93,8 +93,8 @@ std::string Summary::size(const RungResult& result) {
 
 std::string Summary::step(const RungResult& result) const {
   const Rung& rung = result.rung;
-  return rung.chooses_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
-                              : fmt::format("{:.3g}", scene_.time.end / rung.steps);
+  return rung.has_varying_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
+                                  : fmt::format("{:.3g}", scene_.time.end / rung.steps);
 }
 
 void Summary::show_rungs(const Console& console) const {
@@ -113,8 +113,8 @@ void Summary::show_rungs(const Console& console) const {
 void Summary::show_searches(const Console& console) const {
   if (searches_.empty())
     return;
-  console.line(fmt::format("\nthe optimizer's accuracy at {}: sweeps, and relative excess of J over the "
-                           "least found",
+  console.line(fmt::format("\nthe optimizer's accuracy at {}; above least: (J - J*)/|J*|, where J* is the "
+                           "least J of all searches",
                            words(own_rung(scene_), scene_)));
   console.line(table(searches_));
 }
@@ -150,7 +150,7 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
   console.line(fmt::format("\n{}{}: {}{}", quantity.title, unit, against(errors),
-                           quantity.limited ? "" : "; this quantity need not converge"));
+                           quantity.converges ? "" : "; this quantity need not converge"));
   console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
@@ -173,13 +173,13 @@ void Summary::show_orders(const Console& console) const {
   bool any = false;
   const Orders* last = nullptr;
   for (const Orders& one : orders_) {
-    if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen ||
-        last->graded != one.graded)
+    if (!last || last->degree != one.degree || last->scheme != one.scheme ||
+        last->varying_steps != one.varying_steps || last->graded != one.graded)
       console.line(fmt::format("\ndegree {}, {}{}:\n{:<20}{:<21}{:<21}{}", one.degree,
                                scene::name(one.scheme),
-                               one.chosen   ? one.graded ? ", steps chosen, graded" : ", steps chosen"
-                               : one.graded ? ", graded"
-                                            : "",
+                               one.varying_steps ? one.graded ? ", steps chosen, graded" : ", steps chosen"
+                               : one.graded      ? ", graded"
+                                                 : "",
                                "order of", "in space", "in time", "in both"));
     console.line(fmt::format("{:<20}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
                              shown(one.both)));
@@ -187,8 +187,8 @@ void Summary::show_orders(const Console& console) const {
     last = &one;
   }
   if (any)
-    console.line(
-        "none: not in the asymptotic range; from rung to rung, errors do not fall as the method predicts");
+    console.line("\"none\": the values are not in the asymptotic range, since errors do not fall from rung "
+                 "to rung as the method predicts");
 }
 
 namespace {
@@ -232,7 +232,8 @@ std::string percent(double value, int digits) { return fmt::format("{:.{}g} %", 
 std::string words(const ReferenceBar& bar) {
   std::string text = fmt::format("error bar {}", percent(bar.value));
   if (!bar.adjoint && !(bar.size && bar.step))
-    text += bar.size ? " from the size only, steps not verified" : " from the step only, sizes not verified";
+    text += bar.size ? " from the size only, error of the step unknown"
+                     : " from the step only, error of the size unknown";
   return bar.asymptotic ? text : text + ", not in the asymptotic range";
 }
 
@@ -251,22 +252,22 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<RungR
   for (double target : {0.1, 0.05, 0.01, 0.001}) {
     const auto [nearest, cheapest, warned] = best(errors, results, target - bar);
     if (cheapest) {
-      texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s ({})", 100 * target, title,
+      texts.push_back(fmt::format("for an error of {} % in {}: {}, {:.2g} s ({})", 100 * target, title,
                                   words(results[*cheapest].rung, scene), results[*cheapest].measured->seconds,
                                   grounds(errors, *errors.envelope[*cheapest])));
       continue;
     }
     if (warned) {
-      texts.push_back(fmt::format("{} % in {} is not verified: {} ({}) has a warning: {}", 100 * target,
-                                  title, words(results[*warned].rung, scene),
+      texts.push_back(fmt::format("an error of {} % in {} is not verified: {} ({}) has a warning: {}",
+                                  100 * target, title, words(results[*warned].rung, scene),
                                   grounds(errors, *errors.envelope[*warned]),
                                   results[*warned].measured->warning(errors.quantity)));
       continue;
     }
     const double reach = *errors.envelope[*nearest] + bar;
-    texts.push_back(fmt::format("{} % in {} is not reached by any rung of this study; the best is {}{}",
-                                100 * target, title, percent(reach),
-                                errors.bar ? fmt::format(" (finest rung: {})", words(*errors.bar)) : ""));
+    texts.push_back(fmt::format(
+        "an error of {} % in {} is not reached by any rung of this study; the smallest is {}{}", 100 * target,
+        title, percent(reach), errors.bar ? fmt::format(" (finest rung: {})", words(*errors.bar)) : ""));
     break;
   }
   return texts;

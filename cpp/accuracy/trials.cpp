@@ -23,7 +23,7 @@ public:
 
   [[nodiscard]] std::string title() const override { return quantity_.title; }
   [[nodiscard]] int dim() const override { return samples_.dim; }
-  [[nodiscard]] std::vector<Rung> beginnings() const override { return {nearest(own_rung(scene_))}; }
+  [[nodiscard]] std::vector<Rung> first_rungs() const override { return {nearest(own_rung(scene_))}; }
 
   [[nodiscard]] double seconds(const Rung& rung) override {
     if (!costs_)
@@ -41,7 +41,8 @@ public:
     const Measured own = known(trial.rung), finer = known(trial.rung.with_steps(half));
     const std::optional<double> apart = distance(quantity_, own, finer);
     trial.time = std::max(trial.time, of_difference * apart.value_or(1));
-    trial.grounds += fmt::format(", changes by {} with steps of half the length", percent(apart.value_or(1)));
+    trial.grounds +=
+        fmt::format(", {} change of the value with steps of half the length", percent(apart.value_or(1)));
     trial.warning = own.warning(quantity_);
     console_.line(fmt::format("{}: {}{}", words(trial.rung), trial.grounds,
                               trial.warning.empty() ? "" : "; not verified: " + trial.warning));
@@ -69,12 +70,13 @@ private:
   /// Predicts the costs of the rungs that a refinement may reach.
   [[nodiscard]] RungCosts price() const {
     std::vector<Rung> rungs;
-    for (const std::optional<Rung>& one : {std::optional(beginnings().front()), other_degree()})
+    for (const std::optional<Rung>& one :
+         {std::optional(first_rungs().front()), first_rung_of_other_degree()})
       if (one) {
         rungs.insert(rungs.end(), 2, *one);
         rungs.back().size /= reach().finer;
       }
-    return accuracy::price(comm_, scene_, rungs, samples_, {quantity_}, quantity_.name == "J");
+    return accuracy::predict_costs(comm_, scene_, rungs, samples_, {quantity_}, quantity_.name == "J");
   }
 
   std::optional<RungCosts> costs_;
@@ -102,7 +104,8 @@ public:
     const adjoint::ErrorParts& parts = *measured.estimate;
     const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
                                        parts.desired / J};
-    const double error = most(relative), time = std::abs(relative.time) / relative.sum_of_moduli() * error;
+    const double error = cautious_bound(relative),
+                 time = std::abs(relative.time) / relative.sum_of_moduli() * error;
     console_.line(fmt::format("{}: J {:.6e}, estimated relative error at most {:.2e} ({}), {} unknowns, "
                               "{:.2g} s",
                               words(rung), value, error, listed(relative), measured.unknowns,
@@ -130,12 +133,12 @@ public:
   using MeasuredTrials::MeasuredTrials;
   [[nodiscard]] Reach reach() const override { return {.order = 1, .finer = 2, .coarser = 2}; }
 
-  [[nodiscard]] std::optional<Rung> unestimated() const override {
-    return keep_ ? std::optional(runs(beginnings().front()).front()) : std::nullopt;
+  [[nodiscard]] std::optional<Rung> preliminary_rung() const override {
+    return keep_ ? std::optional(runs(first_rungs().front()).front()) : std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Rung> other_degree() const override {
-    Rung raised = beginnings().front();
+  [[nodiscard]] std::optional<Rung> first_rung_of_other_degree() const override {
+    Rung raised = first_rungs().front();
     if (raised.degree != 1)
       return std::nullopt;
     raised.degree = 2;
@@ -145,7 +148,7 @@ public:
   /// The rung nearest to `rung` for which rungs with steps of twice and four times the length exist.
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
     Rung next = rung;
-    if (rung.chooses_steps())
+    if (rung.has_varying_steps())
       next.tolerance = std::min(rung.tolerance, scene::Time::most_tolerance / (coarsest * coarsest));
     else
       next.steps = (rung.steps + coarsest - 1) / coarsest * coarsest;
@@ -205,13 +208,13 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
                       const char* option) {
   std::vector<std::string> allowed;
   for (const Quantity& quantity : quantities(scene, dim))
-    if (!quantity.absolute) // an absolute quantity is its own error
+    if (!quantity.already_relative) // a relative quantity is its own error
       allowed.push_back(quantity.name);
   if (names.empty() && !scene.objective)
     throw UserError(fmt::format("{}: a scene without an objective needs --quantity; choose one of {}", option,
                                 list(allowed)));
   const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
-  if (names.size() > 1 || found.absolute)
+  if (names.size() > 1 || found.already_relative)
     throw UserError(fmt::format("{}: found --quantity {}; choose one of {}", option, fmt::join(names, ","),
                                 list(allowed)));
   return found;
@@ -232,7 +235,7 @@ std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene
                                         const std::vector<std::string>& names, const char* option,
                                         const Console& console, KeepTrial keep) {
   require_size(scene, the_quantity(scene, names, 2, option), option);
-  require_answer(comm, scene);
+  require_size_takes_effect(comm, scene);
   SamplePoints samples(comm, scene);
   Quantity quantity = the_quantity(scene, names, samples.dim, option);
   if (quantity.name == "J")

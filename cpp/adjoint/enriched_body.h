@@ -64,7 +64,8 @@ private:
 
 /// Adjoint states p and ω of a run at the steps k and k + 1, for k from N down. M ω_k is the derivative by
 /// v_k of the part of J after t_k (docs/method.md section 4):
-///     ω_N = 0,   ω_{k−1} = τ_k p_k − ω_k;   contact-stabilized steps add τ_k (Π_k − 1)(p_k − 2/τ_k ω_k)
+///     ω_N = 0,   ω_{k−1} = τ_k p_k − ω_k
+/// For contact-stabilized steps, τ_k (Π_k − 1)(p_k − 2/τ_k ω_k) is added to ω_{k−1}.
 class Duals {
 public:
   /// `grid`: time grid of the motion. `stepper` must outlive this object. Collective.
@@ -82,17 +83,18 @@ private:
   std::optional<step::PredictorProjection::Workspace> predictor_;
 };
 
-/// Bubble part of the adjoint states of the enriched body. π = τ_k/2 p_k is the dual of a force per time; β_k
-/// is its bubble part at t_k. Between steps k and k + 1, the run's adjoint states satisfy the enriched body's
-/// adjoint equation up to the residual
+/// Bubble part of the adjoint states of the enriched body. π_k = τ_k/2 p_k is the dual of the nodal force of
+/// step k, divided by τ_k; β_k is the bubble part of π at t_k. Between steps k and k + 1, the run's adjoint
+/// states satisfy the enriched body's adjoint equation up to the residual
 ///     ρ_k = ∂J/∂y_k + M ((1/τ_{k+1} + 2/τ_k) ω_k − 1/τ_{k+1} ω_{k+1} − p_k) + B (τ_{k+1}/2 p_{k+1} − τ_k/2
 ///     p_k)
 ///           − A (τ_k²/4 p_k + τ_{k+1}²/4 p_{k+1})
 /// which is zero on V where nothing is in contact. The bubbles solve
 ///     ((τ_k + τ_{k+1})/2 A + B) β_k = ρ_k + B β_{k+1}
-/// without inertia, since bubbles are far stiffer than the waves that the mesh can resolve. Conjugate
-/// gradients with a diagonal preconditioner take a few iterations on any mesh, since only neighbouring
-/// bubbles are coupled (hierarchical error estimate, Bank and Smith 1993; docs/method.md section 7).
+/// Their inertia is neglected, since bubbles respond much faster than the waves that the mesh can resolve.
+/// Conjugate gradients with a diagonal preconditioner take a few iterations on any mesh, since only
+/// neighbouring bubbles are coupled (hierarchical error estimate, Bank and Smith 1993; docs/method.md
+/// section 7).
 class DualBubbles {
 public:
   /// `derivative`: ∂J/∂y_k on the enriched body; `grid`: time grid of the motion. Collective. The references

@@ -21,10 +21,10 @@ public:
   virtual void add_velocities(std::span<const double> factors, Vec sum) const = 0;
   /// Returns whether any derivative ∂J/∂λ_k differs from zero.
   [[nodiscard]] virtual bool of_forces() const = 0;
-  /// Sets `dual` to ∂J/∂λ_k (rows, m), k = 1…N.
+  /// Sets `dual`, which has one entry for each multiplier, to ∂J/∂λ_k, k = 1…N.
   virtual void forces(int k, std::span<double> dual) const = 0;
-  /// Returns the change of J as the constraint rows change by `rate`, with the multipliers of step k in
-  /// `contact`.
+  /// Returns the derivative of J in the direction `rate` of the constraint rows at step k, whose multipliers
+  /// in `contact` are fixed.
   [[nodiscard]] virtual double by_rows(int k, const contact::ContactLinearisation& contact,
                                        const contact::ConstraintRows& rate) const = 0;
 };
@@ -41,9 +41,10 @@ void sweep(const step::Stepper& stepper, step::Stepper::Workspace& work, const s
            const step::DualAtStep& by_displacements, const AdjointObserver& visit);
 
 /// Computes dJ/dθ for all unknowns θ of a scene by one backward sweep (docs/method.md section 9), for a J
-/// that also depends on velocities and forces. `motion` must store whole states. `by_displacements` and
-/// `duals`: derivatives of J at fixed unknowns; the former must have a vector part if J depends on
-/// velocities. Passes p_N … p_1 to `visit`, if given. Collective. Throws SolverFailure naming the step.
+/// that also depends on velocities and forces. `motion` must store displacements and velocities.
+/// `by_displacements` and `duals`: derivatives of J at fixed unknowns. If J depends on velocities,
+/// `by_displacements` must have a vector part, since the terms of the velocities are added to it. Passes
+/// p_N … p_1 to `visit`, if given. Collective. Throws SolverFailure naming the step.
 std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace& work,
                           const trajectory::Trajectory& motion, const step::DualAtStep& by_displacements,
                           const VelocityForceDuals& duals, step::ParameterRates& rates,

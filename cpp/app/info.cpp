@@ -102,7 +102,7 @@ Costs costs(const problem::Problem& problem) {
   costs["clamp"].step = "nothing: its unknowns are decoupled in D";
   if (body.B)
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: included in D and R"};
-  if (stepper.motion())
+  if (stepper.moving_clamps())
     costs["moving clamp"] = {"D without clamps",
                              petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
@@ -139,7 +139,7 @@ Costs costs(const problem::Problem& problem) {
                          fmt::format("in a fit: {} linearised step{}", scene.unknowns.size(),
                                      scene.unknowns.size() == 1 ? "" : "s")};
   }
-  costs["measurements"].step = "in a fit: a few values";
+  costs["measurements"].step = "in a fit: evaluation of the measured quantities";
   if (scene.objective)
     add_control(problem, costs);
   return costs;
@@ -196,7 +196,7 @@ std::string estimate(const problem::Problem& problem, int timed_steps) {
   if (times.free_steps)
     text += fmt::format(" {:.3g} ms per step without contact", 1e3 * times.free);
   if (times.contact_steps)
-    text += fmt::format("{} {:.3g} ms per step for {} in contact", times.free_steps ? "," : "",
+    text += fmt::format("{} {:.3g} ms per step in contact ({} steps)", times.free_steps ? "," : "",
                         1e3 * times.contact, times.contact_steps);
   const double sweep = all / steps * problem.steps();
   text += fmt::format("\nall {} steps: {:.2g} s", problem.steps(), sweep);
@@ -243,8 +243,8 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
   console.line(drivers::body_lines(problem));
   for (const std::string& line : trajectory::first_touch_lines(stepper, problem.scene))
     console.line(line);
-  console.line(fmt::format("stored throughout: matrices M {}, A {}, R {}, {} {}; each step: one solve with D "
-                           "and products with R and M",
+  console.line(fmt::format("memory for the whole run: matrices M {}, A {}, R {}, {} {}. Each step takes one "
+                           "solve with D and products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
                            megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R)),
                            stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
@@ -272,7 +272,8 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
     setup += entry.seconds;
   if (const std::string levels = coarse_levels(problem); !levels.empty())
     console.line(fmt::format("optimize starts on coarser meshes, of size {}", levels));
-  console.line(fmt::format("\nset-up took {:.2g} s and {}", setup, memory_of_ranks(problem.space.comm())));
+  console.line(
+      fmt::format("\nset-up took {:.2g} s; peak memory {}", setup, memory_of_ranks(problem.space.comm())));
   console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "to estimate the run time, add --time 20");
 }
 

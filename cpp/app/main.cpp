@@ -38,8 +38,8 @@ constexpr Verb verbs[] = {
     {"optimize", "search for an optimal control, or fit unknown parameters"},
     {"check", "verify derivatives and discrete invariants of a scene"},
     {"study", "compare errors and run times over a ladder of sizes, steps, degrees and schemes"},
-    {"info", "list effects with their costs, unknowns and memory; --time N estimates the run time from N "
-             "steps"},
+    {"info", "list the model's effects (such as viscosity) with their costs, and the run's size and memory; "
+             "--time N also estimates its run time from N steps"},
     {"keys", "list all keys of a scene with values, units, limits, defaults and meanings"},
     {"completion", "print a script for bash that completes verbs, options and keys"}};
 
@@ -87,14 +87,17 @@ void add_study_options(CLI::App& app, Request& request) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
   list("--sizes", request.study.choice.sizes,
-       "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
-  list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
+       "element sizes, m, such as 1,0.5 (default: 1, 2 and 4 times the scene's size)");
+  list("--steps", request.study.choice.steps, "time steps, s (default: 1, 2 and 4 times the scene's step)");
   list("--tolerances", request.study.choice.tolerances,
        "tolerances of steps of varying length (time.step = \"auto\"), beside or in place of --steps "
-       "(default: none, or the scene's, 4 and 16 times that)");
-  app.add_flag("--graded", request.study.choice.graded,
-               "repeat all rungs on graded meshes, with as many elements but sizes that follow the error");
-  list("--degrees", request.study.choice.degrees, "degrees of the displacement, 1,2 (default: the scene's)");
+       "(default: 1, 4 and 16 times time.tolerance if the scene's steps vary, else none)");
+  app.add_flag(
+      "--graded", request.study.choice.graded,
+      "repeat all rungs on graded meshes, with as many elements as the uniform ones and sizes that follow "
+      "the error");
+  list("--degrees", request.study.choice.degrees,
+       "degrees of the displacement, such as 1,2 (default: the scene's)");
   list("--schemes", request.study.choice.schemes,
        "contact schemes, from contact-implicit,contact-stabilized,massless (default: the scene's)");
   list("--quantity", request.study.quantities,
@@ -102,10 +105,9 @@ void add_study_options(CLI::App& app, Request& request) {
   list("--search-tolerances", request.study.search_tolerances,
        "also search for the scene's optimum with "
        "these values of optimizer.tolerance, such as 1e-3,1e-4,1e-5");
-  app.add_option(
-         "--budget", request.study.budget,
-         "time limit, such as 90s, 10min or 2h; no rung starts that would end later (default of --suggest: "
-         "10min)")
+  app.add_option("--budget", request.study.budget,
+                 "time limit, such as 90s, 10min or 2h; a rung that would end later is not started (default: "
+                 "none; with --suggest 10min)")
       ->transform(CLI::Validator(to_seconds, "TIME"));
   app.add_flag("--dry-run", request.study.dry_run, "predict the time of each rung; run none");
   app.add_option("--suggest", request.suggest,

@@ -30,10 +30,10 @@ int check(const scene::Scene& scene, const Console& console) {
 
 /// Default output folder of a run; if the scene is the echo of an earlier run, the folder of that run.
 std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
-                                   const std::filesystem::path& home) {
+                                   const std::filesystem::path& run_folder) {
   if (verb == "study")
-    return (home.empty() ? "results" : home.parent_path()) / (name + "-study");
-  return home.empty() ? std::filesystem::path("results") / name : home;
+    return (run_folder.empty() ? "results" : run_folder.parent_path()) / (name + "-study");
+  return run_folder.empty() ? std::filesystem::path("results") / name : run_folder;
 }
 
 /// Throws UserError if a run would replace the user's scene file by the echo that it writes to scene.toml in
@@ -89,12 +89,12 @@ int run(const Request& request, const Console& console) {
 
 int run(const Request& request, const SceneFile& file, const Console& console) {
   use_threads(world(), request.threads);
-  const auto& [scene, text, home] = file;
+  const auto& [scene, text, run_folder] = file;
   drivers::print_table_warnings(drivers::series_warnings(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
   const std::filesystem::path out =
-      request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;
+      request.out.empty() ? usual_folder(request.verb, scene.name, run_folder) : request.out;
   if (request.verb == "simulate" || request.verb == "optimize")
     on_root(world(), [&] {
       require_not_the_users(scene, text, out);

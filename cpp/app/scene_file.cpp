@@ -19,7 +19,7 @@ std::string folder_of_echo(const std::filesystem::path& file) {
 
 SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
                      const std::vector<std::string>& overrides) {
-  std::string text, home;
+  std::string text, run_folder;
   on_root(comm, [&] { text = scene::read(file); });
   text = broadcast(comm, text);
   const auto open =
@@ -28,11 +28,11 @@ SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
         on_root(comm, [&] { content = scene::read_file(series); });
         return broadcast(comm, content);
       };
-  SceneFile found{.scene = scene::parse(text, file, overrides, open), .text = text, .home = {}};
-  on_root(comm, [&] { home = folder_of_echo(file); });
-  found.home = broadcast(comm, home);
-  if (!found.home.empty())
-    found.scene.name = found.home.filename().string();
+  SceneFile found{.scene = scene::parse(text, file, overrides, open), .text = text, .run_folder = {}};
+  on_root(comm, [&] { run_folder = folder_of_echo(file); });
+  found.run_folder = broadcast(comm, run_folder);
+  if (!found.run_folder.empty())
+    found.scene.name = found.run_folder.filename().string();
   // Its default depends on the machine, and all ranks must choose the same solvers.
   MPI_Allreduce(MPI_IN_PLACE, &found.scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, comm);
   return found;

@@ -11,8 +11,9 @@ namespace signorini::app {
 /// A scene and the file from which it was read.
 struct SceneFile {
   scene::Scene scene;
-  std::string text;           ///< text of the file
-  std::filesystem::path home; ///< folder of the run that wrote the file as its echo; empty for other scenes
+  std::string text; ///< text of the file
+  /// Folder of the file if an earlier run wrote it as its scene.toml, else empty.
+  std::filesystem::path run_folder;
 };
 
 /// Reads a scene file on rank 0 and parses it on all ranks, since ranks with different scenes would deadlock.

@@ -22,8 +22,8 @@ class OutputFailure : public UserError {
   using UserError::UserError;
 };
 
-/// Failure to write a file, possibly on some ranks only (exit status 2). On several ranks the program aborts
-/// all of them.
+/// Failure to write a file, possibly on some ranks only (exit status 2). A program that runs on several ranks
+/// therefore aborts all ranks.
 class WriteFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

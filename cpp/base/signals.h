@@ -10,9 +10,9 @@ namespace signorini {
 /// forwards to its ranks; on SIGINT and SIGTERM it kills them.
 void catch_stop_signals();
 
-/// Scope guard for use as a library, in a program with signal handlers of its own. SIGINT requests a stop,
-/// however often it arrives, unless the program ignores SIGINT; the destructor restores the previous handler.
-/// Only one guard may exist at a time.
+/// Scope guard for programs that use this code as a library and have signal handlers of their own. SIGINT
+/// requests a stop, however often it arrives, unless the program ignores SIGINT; the destructor restores the
+/// previous handler. Only one guard may exist at a time.
 class StopOnInterrupt {
 public:
   StopOnInterrupt();

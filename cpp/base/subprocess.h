@@ -8,8 +8,8 @@ namespace signorini {
 
 /// Runs a program in a separate process: for libraries that may crash or corrupt their memory. The program
 /// reads `request` from its standard input and writes its answer to the descriptor answer_file. Its only
-/// argument is `seconds`, or 0 if absent, to which it limits its own processor time. Returns the answer, ""
-/// if the program exited with an error, and nothing if it crashed or exceeded its processor time. Does not
+/// argument is the limit that it sets on its own processor time: `seconds`, or 0 for no limit. Returns the
+/// answer, "" if the program exited with an error, and nothing if it crashed or reached the limit. Does not
 /// copy this process (fork), which MPI forbids after its start. Not collective; call it from one thread at a
 /// time. Throws std::runtime_error if no process can be started. Throws Interrupted if a stop is requested
 /// meanwhile, after killing the program and all processes that it started.

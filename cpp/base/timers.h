@@ -42,8 +42,8 @@ private:
 };
 
 /// Returns this process's counter `name`, which starts at zero. run.json lists all counters, to show that an
-/// effect that is off costs nothing. The reference stays valid: get it once before a loop, so that counting
-/// costs one increment. Not collective.
+/// effect that the scene does not contain costs nothing. The reference stays valid: get it once before a
+/// loop, so that counting costs one increment. Not collective.
 long& count(const std::string& name);
 
 /// Returns all counters of this process, by name. Not collective.

@@ -64,7 +64,7 @@ void finish_by_columns(const ConstraintRows& rows, const petsc::Series& stored, 
 } // namespace
 
 TrailingBlockCondensation::TrailingBlockCondensation(const ConstraintRows& rows, const SparseCholesky& D)
-    : WholeCondensation(rows), D_(D), L_(D.corner_factor()) {
+    : WholeCondensation(rows), D_(D), L_(D.trailing_factor()) {
   condense();
 }
 

@@ -11,11 +11,11 @@ namespace signorini::contact {
 /// second half, finish(), may continue from it any number of times. Which vectors are allocated depends on
 /// the type of the condensation.
 struct HalfSolve {
-  std::vector<double> z;         ///< L⁻¹Pr (n entries); used by TrailingBlockCondensation only
-  petsc::Vector r, y;            ///< r and D⁻¹(r − Hρ); for condensations with columns of D⁻¹H
-  std::vector<double> reference; ///< multipliers ρ of y; nonzero in ColumnsOnDemand only
+  std::vector<double> z;         ///< SparseCholesky::forward() of r; used by TrailingBlockCondensation only
+  petsc::Vector r, y;            ///< r and D⁻¹(r − Hρ); not used by TrailingBlockCondensation
+  std::vector<double> reference; ///< multipliers ρ with which y was computed; zero except in ColumnsOnDemand
   // Scratch of both halves.
-  std::vector<double> trailing_block; ///< values at the dofs of the trailing block (c entries)
+  std::vector<double> trailing_block; ///< one value for each dof of the trailing block
   std::vector<double> weights;
   std::vector<Vec> columns;
   petsc::Vector forces;
@@ -38,7 +38,7 @@ public:
   [[nodiscard]] virtual HalfSolve half_solve() const = 0;
 
   /// First half of the solve for the right-hand side r. Sets `motion` to Hᵀ D⁻¹r. Iterative solvers start
-  /// from the guess, direct solvers ignore it. Collective. Throws SolverFailure.
+  /// from the guess, direct solvers ignore it. Collective. Throws SolverFailure, Interrupted.
   virtual void predict(Vec r, const Guess& guess, HalfSolve& half_solve, std::span<double> motion) const = 0;
 
   /// Second half of the solve: computes y = D⁻¹ (r − Hλ). On entry y contains a guess. The call may be
@@ -48,7 +48,7 @@ public:
   /// Whether all columns of S = Hᵀ D⁻¹ H have been computed. If not, call prepare() before column().
   [[nodiscard]] virtual bool complete() const = 0;
   /// Computes those columns of S for the given rows of H that have not been computed yet. Collective. Throws
-  /// SolverFailure.
+  /// SolverFailure, Interrupted.
   virtual void prepare(std::span<const int> rows) const = 0;
   /// Column of S that belongs to a row of H, the same on every rank.
   [[nodiscard]] virtual std::span<const double> column(int row) const = 0;
@@ -92,7 +92,7 @@ private:
   void condense();
 
   const SparseCholesky& D_;
-  std::vector<double> L_; ///< trailing block of the factor (c × c)
+  std::vector<double> L_; ///< trailing block of the factor (c × c, for c constrained dofs)
 };
 
 /// Condensation by the columns of D⁻¹H, on any number of ranks. The columns are solved for in blocks. They
@@ -115,10 +115,10 @@ private:
   petsc::Series columns_; ///< columns of D⁻¹H; null if they do not fit into memory
 };
 
-/// Condensation by conjugate gradients, on any number of ranks. It solves for a column of D⁻¹H when the row
-/// first closes, and keeps the corresponding column of S as long as this object exists. The column of D⁻¹H is
-/// kept if it fits into `memory` (bytes, on all ranks). A step with contact then takes one solve, or two if a
-/// column that it needs was not kept.
+/// Condensation by conjugate gradients, on any number of ranks. It solves for a column of D⁻¹H when the gap
+/// of its row first closes, and keeps the corresponding column of S as long as this object exists. The column
+/// of D⁻¹H is kept if it fits into `memory` (bytes, on all ranks). In addition to the solves for new columns,
+/// a step with contact takes one solve, or two if a column of D⁻¹H that it needs was not kept.
 class ColumnsOnDemand final : public Condensation {
 public:
   /// `matrix`: the matrix D. The references must outlive this object. Collective.

@@ -46,7 +46,7 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
     others_.push_back(count());
   }
   if (dofs_.size() > constrained)
-    throw std::logic_error("a row of a group has a dof that its first row has not");
+    throw std::logic_error("a further row of a group has a dof that the group's first row lacks");
   for (const PetscInt dof : dofs_)
     local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);
   find_clusters();

@@ -44,15 +44,15 @@ public:
 
   [[nodiscard]] int count() const { return static_cast<int>(row_begin_.size()) - 1; }
   [[nodiscard]] int groups() const { return static_cast<int>(laws_.size()); }
-  /// Number k of rows of a group.
+  /// Number of rows of a group.
   [[nodiscard]] std::size_t size(int group) const {
     return static_cast<std::size_t>(1 + others_[static_cast<std::size_t>(group) + 1] - others_[group]);
   }
-  /// Number of row c < k of a group.
+  /// Number of a group's row c, 0 ≤ c < size(group), among all rows.
   [[nodiscard]] std::size_t row(int group, std::size_t c) const {
     return c == 0 ? static_cast<std::size_t>(group) : static_cast<std::size_t>(others_[group]) + c - 1;
   }
-  /// Selects the entries of a group from an array over rows; entries beyond the group's k rows are zero.
+  /// Selects the entries of a group from an array over rows; entries from size(group) on are zero.
   [[nodiscard]] std::array<double, 3> of_group(int group, std::span<const double> values) const {
     std::array<double, 3> part{};
     for (std::size_t c = 0; c < size(group); ++c)
@@ -91,7 +91,7 @@ public:
 
   /// out ← Hᵀx, including the contributions of clamped dofs. Collective.
   void apply_transpose(Vec x, std::span<double> out) const;
-  /// out ← g(y) = ψ − Hᵀy, m, for ψ in metres. Rows without an entry in `psi` have ψ = 0. Collective.
+  /// out ← g(y) = ψ − Hᵀy (gaps, in m). Rows without an entry in `psi` have ψ = 0. Collective.
   void gap(std::span<const double> psi, Vec y, std::span<double> out) const;
   /// x += scale · Hλ at unclamped dofs.
   void apply(double scale, std::span<const double> lambda, Vec x) const { add(forces_, scale, lambda, x); }
@@ -119,8 +119,8 @@ public:
   /// x must be in the range of these columns of H. Among linearly dependent rows the first ones get the
   /// force. Collective.
   void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
-  /// Changes unclamped dofs of x as little as possible (Euclidean norm) so that Hᵀx = `value` on `set`; among
-  /// linearly dependent rows, on the first independent ones. Collective.
+  /// Changes unclamped dofs of x as little as possible (Euclidean norm) so that Hᵀx = `value` on `set`. Among
+  /// linearly dependent rows, only the first independent ones are satisfied. Collective.
   void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
 
   /// Sets the clamped entries of y to their solution r_j/d_j in the step's system, in which they are

@@ -13,7 +13,7 @@ namespace signorini::contact {
 enum class Status : std::uint8_t {
   open,   ///< g > 0
   weak,   ///< in W: g = 0 and λ = 0
-  strong, ///< in S: g = 0 and λ > 0, or linearly dependent on other candidates of its node with λ > 0
+  strong, ///< in S: g = 0 and λ > 0, or g = 0 and linearly dependent on candidates with λ > 0 at its node
 };
 
 /// Name of a status as written in tables.
@@ -24,26 +24,28 @@ enum class Status : std::uint8_t {
 /// Largest penetration accepted for a body of the given diameter (both in m).
 [[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
 
-/// Numbers of the candidates (or groups) in contact, ascending.
+/// Numbers of the candidates in contact, ascending. A candidate has the same number as its group of
+/// constraint rows (ConstraintRows).
 using ActiveSet = std::vector<int>;
 
-/// Linear equation E U + F ρ = c for the gaps U and multipliers ρ of a group of k ≤ 3 rows, which replaces
-/// the group's contact law.
+/// Linear equation E U + F ρ = c that replaces the contact law of a group of k ≤ 3 constraint rows in a
+/// Newton step or a linearised step. U are the gaps of the group, ρ its multipliers.
 struct LawEquation {
   std::array<double, 9> E{}, F{}; ///< (k × k), row by row
   std::array<double, 3> c{};
 };
 
-/// Contact data of a step that its derivative and the next step need; the same on every rank. The size of the
-/// data grows with the number of candidates in contact, not with the number m of all candidates.
+/// Contact data of a step that the linearised step, the adjoint step and the next step need. They are the
+/// same on every rank. The size of the data grows with the number of candidates in contact, not with the
+/// number m of all candidates.
 struct ContactLinearisation {
   ActiveSet active;           ///< active set A = S ∪ W
   std::vector<double> forces; ///< ρ of all rows of active groups: τ²/2 times the nodal contact forces
-  /// Linearised contact laws of the active groups. Empty if all laws are symmetric (then λ is free and g =
-  /// 0).
+  /// Linearised contact laws of the active groups. Empty if all laws are symmetric: then each active group
+  /// has zero gap and an arbitrary multiplier.
   std::vector<LawEquation> equations;
   ActiveSet weak{};      ///< weakly active candidates W
-  ActiveSet predictor{}; ///< Z: candidates that the projected predictor touches (contact-stabilized)
+  ActiveSet predictor{}; ///< Z: candidates closed at the projected predictor; empty in other schemes
 };
 
 /// Contact data of one step for all candidates.
@@ -51,10 +53,10 @@ struct ContactState : ContactLinearisation {
   std::vector<double> lambda; ///< multipliers ρ of all constraint rows; the first m rows are the normal ones
   std::vector<double> gap;    ///< gaps U of all constraint rows, m
   std::vector<Status> status; ///< status of each candidate
-  int vi_iterations = 0; ///< (primal-dual) Newton steps that led to the active set; 0 if the guess was right
+  int vi_iterations = 0; ///< number of solver iterations that led to the active set; 0 if none was needed
 
-  /// Sets all m candidates to open, with one row for each. Reserves memory for every possible active set, so
-  /// that steps do not allocate.
+  /// Sets all m candidates to open, with one constraint row per candidate. Reserves memory for every possible
+  /// active set, so that steps do not allocate.
   explicit ContactState(int m = 0) : ContactState(m, m) {}
   /// Sets all m candidates to open, with `rows` constraint rows in total.
   ContactState(int m, int rows)

@@ -67,8 +67,9 @@ std::vector<double> DelassusOperator::inverse() const {
   return K;
 }
 
-void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                             std::span<double> motion, Vec y, Workspace& work, double digits) const {
+void DelassusOperator::refine_on_set(const ActiveSet& set, std::span<const double> psi,
+                                     std::span<double> lambda, std::span<double> motion, Vec y,
+                                     Workspace& work, double digits) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
@@ -102,7 +103,7 @@ void DelassusOperator::predict_gap(Vec r, const Guess& guess, std::span<const do
 void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const double> psi,
                                      std::span<double> lambda, std::span<double> gap, Vec y,
                                      Workspace& work) const {
-  close(set, psi, lambda, gap, y, work, to_rounding);
+  refine_on_set(set, psi, lambda, gap, y, work, to_rounding);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
@@ -141,7 +142,7 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
     mu[set[i]] = work.b[i];
   // Prescribed motions are data of derivatives, which no energy balance checks: a pass for their last digits
   // would cost half a solve.
-  close(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
+  refine_on_set(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
 }
 
 void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace& work) const {

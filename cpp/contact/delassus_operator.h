@@ -8,13 +8,13 @@ namespace signorini::contact {
 /// (docs/method.md section 5).
 class DelassusOperator {
 public:
-  /// Takes a condensation of D for `rows`, which must outlive this object. Collective.
+  /// Takes ownership of a condensation of D, made for `rows`. `rows` must outlive this object. Collective.
   DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Condensation> condensation);
 
   /// Whether all columns of S have been computed.
   [[nodiscard]] bool complete() const { return condensation_->complete(); }
-  /// Column of S that belongs to a row of H, the same on every rank. If complete() is false, prepare() must
-  /// have computed the column; the solves below do this for the rows of their sets. S is symmetric, and
+  /// Column of S that belongs to a row of H, the same on every rank. If complete() is false, the column must
+  /// have been computed by prepare() or by a solve on a set that contains the row. S is symmetric. It is
   /// singular if candidates are linearly dependent.
   [[nodiscard]] std::span<const double> column(int row) const { return condensation_->column(row); }
   /// Computes the columns of S for the given rows that have not been computed yet. Collective. Throws
@@ -41,15 +41,15 @@ public:
   void predict_gap(Vec r, const Guess& guess, std::span<const double> psi, std::span<double> gap,
                    HalfSolve& half_solve) const;
 
-  /// Solves D y = r − Hλ with g(y) = 0 on a linearly independent `set` and λ = 0 elsewhere. r comes from
-  /// `work.half_solve`, ψ (m) is given. On entry `lambda` contains the λ computed from the predicted gaps; it
-  /// is refined until the gaps on the set vanish to rounding. `gap` becomes g(y), m. Collective. Throws
-  /// SolverFailure.
+  /// Solves D y = r − Hλ with g(y) = 0 on a linearly independent `set` and λ = 0 elsewhere. predict_gap()
+  /// must have stored the half solve for r in `work.half_solve`. On entry `lambda` contains the λ computed
+  /// from the predicted gaps; it is refined, at most three times, until the gaps on the set are zero up to
+  /// rounding. ψ is in m. `gap` becomes g(y), m. Collective. Throws SolverFailure.
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
                      std::span<double> gap, Vec y, Workspace& work) const;
 
-  /// Second half of a solve for given multipliers: computes y = D⁻¹ (r − Hλ) for the r of `work.half_solve`;
-  /// `gap` becomes g(y), m. Collective. Throws SolverFailure.
+  /// Completes a solve for given multipliers: computes y = D⁻¹ (r − Hλ), where r is the right-hand side of
+  /// `work.half_solve`. `gap` becomes g(y), m. Collective. Throws SolverFailure.
   void finish(std::span<const double> psi, std::span<const double> lambda, std::span<double> gap, Vec y,
               Workspace& work) const;
 
@@ -64,10 +64,11 @@ public:
 private:
   /// Does the work of solve_active() on this rank alone.
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
-  /// Like finish_closed(), but returns Hᵀy instead of the gaps, in `motion`. Refines until the error of Hᵀy
-  /// on the set is at most `digits` times the machine epsilon times the largest entry of Hᵀy and ψ.
-  void close(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-             std::span<double> motion, Vec y, Workspace& work, double digits) const;
+  /// Does the work of finish_closed(), but sets `motion` to Hᵀy instead of computing the gaps. Refines λ, at
+  /// most three times, until |Hᵀy − ψ| on the set is at most `digits` machine epsilons relative to the
+  /// largest entry of Hᵀy and ψ.
+  void refine_on_set(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+                     std::span<double> motion, Vec y, Workspace& work, double digits) const;
   /// Solves a linearised step whose laws are not symmetric or, if `transposed`, its transpose.
   void solve_by_equations(const LinearisedContact& step, bool transposed, Workspace& work) const;
 

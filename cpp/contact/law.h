@@ -21,21 +21,22 @@ class Law {
 public:
   virtual ~Law() = default;
 
-  /// Whether a group has one row, which in contact has the gap zero and any multiplier. Then the active set
-  /// describes the law completely, and the linear systems are symmetric.
+  /// Whether a group has a single row, with zero gap and an arbitrary multiplier in contact. Then the active
+  /// set describes the law completely, and the linear systems are symmetric.
   [[nodiscard]] virtual bool symmetric() const = 0;
 
-  /// Whether a group with the gaps U (m), computed without its multipliers, needs no multipliers.
-  [[nodiscard]] virtual bool open(std::span<const double> U) const = 0;
+  /// Whether a group stays open if its gaps are U (m) in the motion without contact forces.
+  [[nodiscard]] virtual bool stays_open(std::span<const double> U) const = 0;
 
   /// Whether the row of a symmetric law belongs to the next active set, after a primal-dual step with the
   /// result `lambda` and `gap`. `closed`: whether the row was in the active set of this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Sets the equation for a Newton step from (ρ, U). `compliance`: change of the normal gap by a unit of the
-  /// normal multiplier. Returns false if the group is open, that is ρ = 0.
-  [[nodiscard]] virtual bool next(std::span<const double> rho, std::span<const double> U, double compliance,
-                                  LawEquation& equation) const = 0;
+  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: change of the normal
+  /// gap per unit of the normal multiplier. Returns false if the step opens the group; its multipliers then
+  /// become zero, and `equation` is not used.
+  [[nodiscard]] virtual bool newton_equation(std::span<const double> rho, std::span<const double> U,
+                                             double compliance, LawEquation& equation) const = 0;
 
   /// Whether ρ and U satisfy the law; multipliers up to `force` and gaps up to `gap` (m) count as zero.
   [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double force,
@@ -62,12 +63,12 @@ public:
 class Unilateral final : public Law {
 public:
   [[nodiscard]] bool symmetric() const override { return true; }
-  [[nodiscard]] bool open(std::span<const double> U) const override { return !(U[0] < 0); }
+  [[nodiscard]] bool stays_open(std::span<const double> U) const override { return !(U[0] < 0); }
   [[nodiscard]] bool closes(bool closed, double lambda, double gap) const override {
     return closed ? lambda > 0 : gap < 0;
   }
-  [[nodiscard]] bool next(std::span<const double> rho, std::span<const double> U, double compliance,
-                          LawEquation& equation) const override {
+  [[nodiscard]] bool newton_equation(std::span<const double> rho, std::span<const double> U,
+                                     double compliance, LawEquation& equation) const override {
     equation = linearised(rho, U);
     return compliance * rho[0] > U[0];
   }

@@ -178,7 +178,7 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
          pair < static_cast<std::size_t>(found->second->last); ++pair) {
       const double* towards = &pairs.normals()[pair * dim];
       seen[2 * pair] = 1;
-      if (std::inner_product(towards, towards + dim, here.n.begin(), 0.0) > RowBasis::parallel)
+      if (std::inner_product(towards, towards + dim, here.n.begin(), 0.0) > RowBasis::dependence_limit)
         seen[2 * pair + 1] = 1;
     }
   }

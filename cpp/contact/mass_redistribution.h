@@ -4,15 +4,16 @@
 
 namespace signorini::contact {
 
-/// Whether the candidates of each of the scene's obstacles lose their mass (contact.mass = "massless").
+/// For each of the scene's obstacles, whether its candidates lose their mass (contact.mass = "massless").
 std::vector<bool> obstacles_without_mass(const std::vector<scene::Contact>& contacts);
 
 /// Computes the mass matrix EᵀME of massless contact (docs/method.md section 2; Khenous, Laborde, Renard
-/// 2008). In the directions of its constraints, E replaces the velocity of a contact node by an extrapolation
-/// from nodes that keep their mass. Contact nodes therefore carry no mass in these directions. E reproduces
-/// velocity fields that are linear in space, so that the mass, its first moments and the moments of inertia
-/// are unchanged; where too few nodes are near, only the mass is. Candidates whose boundary faces away from
-/// the obstacle cannot touch it and keep their mass.
+/// 2008). E replaces the velocity of a contact node in the directions of its contact constraints by an
+/// extrapolation from nodes that keep their mass. Contact nodes therefore carry no mass in these directions.
+/// E reproduces velocity fields that are linear in space, so that the mass, its first moments and the moments
+/// of inertia are unchanged. Where the nearby nodes do not suffice for this, E reproduces constant fields and
+/// only the mass is unchanged. Candidates at which the boundary faces away from the obstacle cannot touch it
+/// and keep their mass.
 ///
 /// `massless`: for each of the scene's obstacles, whether its candidates lose their mass. The matrix is
 /// stored in blocks (BAIJ), with the pattern of M and entries between the nodes used for extrapolation.

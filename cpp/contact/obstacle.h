@@ -46,8 +46,8 @@ public:
   [[nodiscard]] Plane derivative(const double* x, const Place& place, const scene::ObstacleRate& rate) const;
 
   /// Level of the point `x` (3, m): positive outside of the obstacle, negative inside, and increasing
-  /// outwards. For a signed distance it is the value of its expression, in the unit of that; for other shapes
-  /// it is the distance from the surface, m.
+  /// outwards. For a signed distance it is the value of the scene's expression, which need not be a length;
+  /// for other shapes it is the distance from the surface, m.
   [[nodiscard]] double level(const double* x, const Place& place) const;
 
   /// Whether the obstacle moves.

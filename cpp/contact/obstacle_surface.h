@@ -37,8 +37,8 @@ struct ObstacleSurface {
 };
 
 /// Computes the part of the obstacle's surface at `place` that is within a box. A ball or cylinder that is
-/// not much larger than the box is returned whole (a cylinder up to the ends of the box). `cells`: resolution
-/// of curved surfaces, in grid cells along the longest side.
+/// not much larger than the box is returned whole (a cylinder up to the ends of the box). `cells`: number of
+/// grid cells along the longest side of the box in which a curved surface is sampled.
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells);
 

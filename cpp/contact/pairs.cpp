@@ -184,7 +184,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       if (!held)
         free = std::hypot(free, plane.normal[c]);
     }
-    if (free <= RowBasis::parallel) { // the node cannot move towards the obstacle
+    if (free <= RowBasis::dependence_limit) { // the node cannot move towards the obstacle
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }

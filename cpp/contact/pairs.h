@@ -56,8 +56,8 @@ public:
     NodeWork node;
   };
   [[nodiscard]] Gaps gaps() const;
-  /// Gaps ψ_i of the undeformed body at time t, s (m entries), in metres. If obstacles move, they are
-  /// computed in `gaps`, where the span points to. Throws UserError if no position of a node satisfies the
+  /// Gaps ψ_i of the undeformed body at time t (s), in metres (m entries). If an obstacle moves, the result
+  /// is stored in `gaps`, and the span refers to it. Throws UserError if no position of a node satisfies the
   /// constraints of all its obstacles. Collective.
   [[nodiscard]] std::span<const double> psi(double t, Gaps& gaps) const;
   /// Derivatives of the pairs with respect to a parameter of one obstacle; zero for pairs of other obstacles.
@@ -85,8 +85,8 @@ public:
   [[nodiscard]] bool projects(int obstacle) const { return project_[obstacle]; }
   /// Name of the table of an obstacle (number in the scene) in the scene file.
   [[nodiscard]] const std::string& key(int obstacle) const { return keys_[obstacle]; }
-  /// First global dofs, ascending, of nodes without a pair: nodes on the contact boundary of an obstacle
-  /// (number in the scene) that clamps prevent from moving towards the obstacle.
+  /// First global dofs, ascending, of the nodes on the contact boundary of an obstacle that have no pair,
+  /// because clamps prevent them from moving towards the obstacle. `obstacle`: number in the scene.
   [[nodiscard]] const std::vector<PetscInt>& clamped_dofs(int obstacle) const {
     return clamped_dofs_[obstacle];
   }
@@ -95,8 +95,8 @@ public:
   [[nodiscard]] const std::vector<PetscInt>& first_dofs() const { return first_dofs_; }
   /// For each pair, the first local dof of its node, or −1 on ranks that do not own the node (m entries).
   [[nodiscard]] const std::vector<int>& local_dofs() const { return local_; }
-  /// Address of the displacement (dim) of pair i's node in `y`, the entries that this rank owns; null if
-  /// another rank owns the node.
+  /// Address of the displacement (dim) of pair i's node in `y`; null if another rank owns the node. `y`:
+  /// entries of a vector of V that this rank owns.
   [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
     const int first = local_[i];
     return first < 0 ? nullptr : &y[first];
@@ -142,8 +142,8 @@ private:
 
 /// Changes the initial displacement y of nodes that start inside an obstacle with contact.initial =
 /// "project": moves them to the closest position that the constraints of all their obstacles permit. Throws
-/// UserError for a node inside any other obstacle, naming the deepest one, and for a node that has no such
-/// position. Collective.
+/// UserError if nodes start inside any other obstacle, naming the deepest of these nodes, and if a node has
+/// no such position. Collective.
 void place_outside(const ContactPairs& pairs, Vec y);
 
 } // namespace signorini::contact

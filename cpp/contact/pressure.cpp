@@ -88,10 +88,10 @@ Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
                 space.comm());
   gather_at_vertices(area_);
   if (space.degree() > 1)
-    keep_areas_of_edges();
+    clear_areas_off_edges();
 }
 
-void Pressure::keep_areas_of_edges() {
+void Pressure::clear_areas_off_edges() {
   std::vector<double> of_hats(area_.size(), 0.0);
   for (const Edge& edge : edges_)
     for (const int end : edge.ends)

@@ -11,12 +11,12 @@ namespace signorini::contact {
 ///
 /// For degree 1 the pressure at vertex v is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
 /// For degree 2 this fails: on a triangle ∫ φ_i vanishes for vertices, whose forces are only rounding errors
-/// and effects at the ends of contact. But hat functions are also of degree 2: φ¹_v = φ_v + ½ Σ φ_e over the
-/// edges e at v. Therefore F¹_v = F_v + ½ Σ F_e is their exact nodal force, and the pressure is F¹_v / ∫
-/// φ¹_v, in the plane and in space. The integrals ∫ φ¹_v are positive, the sum of the forces is unchanged, no
-/// force becomes negative, and a uniform pressure is reproduced. The error of the weighted mean is O(h²)
-/// where p is smooth, like the error of stresses for displacements of degree 2. Between vertices the pressure
-/// is linear.
+/// and effects at the ends of contact. But the hat function of v is a combination of functions of degree 2:
+/// φ¹_v = φ_v + ½ Σ φ_e over the edges e at v. Therefore F¹_v = F_v + ½ Σ F_e is exactly ∫ p φ¹_v, and the
+/// pressure is F¹_v / ∫ φ¹_v, in the plane and in space. The integrals ∫ φ¹_v are positive, the sum of the
+/// forces is unchanged, no force becomes negative, and a uniform pressure is reproduced. The error of the
+/// weighted mean is O(h²) where p is smooth, like the error of stresses for displacements of degree 2.
+/// Between vertices the pressure is linear.
 class Pressure {
 public:
   /// Computes the areas that belong to the candidates of `contacts`. Collective. Throws UserError as
@@ -27,9 +27,10 @@ public:
   /// plane and m² in space; 0 for candidates at midpoints of edges.
   [[nodiscard]] const std::vector<double>& area() const { return area_; }
 
-  /// Pressures p of the candidates (m entries), N/m², positive in compression. The nodal contact forces are
-  /// `forces` (multipliers λ) divided by `impulse`. A candidate at the midpoint of an edge gets the mean of
-  /// the edge's ends. The pressure is 0 where no candidate has an area.
+  /// Pressures p of the candidates (m entries), N/m², positive in compression. `forces`: multipliers λ,
+  /// `impulse` times the nodal contact forces; `impulse`: τ²/2 (Scheme::impulse()). A candidate at the
+  /// midpoint of an edge gets the mean of the edge's ends. Ends with zero area() are left out; if both have
+  /// zero area, the pressure is 0. It is also 0 at a vertex with zero area.
   [[nodiscard]] std::vector<double> operator()(std::span<const double> forces, double impulse) const;
 
 private:
@@ -40,8 +41,9 @@ private:
     std::array<int, 2> ends;
   };
   void add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group, int obstacle);
-  /// Keeps the areas of vertices only, and sets the area of a vertex to zero if all of its edges are clamped.
-  void keep_areas_of_edges();
+  /// Sets all areas to zero except those of vertices at an edge whose midpoint is a candidate (other edges
+  /// are clamped).
+  void clear_areas_off_edges();
   /// Converts integrals with functions of degree 2, one for each candidate, to integrals with hat functions,
   /// in place.
   void gather_at_vertices(std::vector<double>& values) const;

@@ -42,7 +42,7 @@ bool RowBasis::add(int row) {
         left[c] -= along_k * q_[k * capacity_ + c];
     }
   const double rest = norm(left);
-  if (size_ == width_ || !(rest > parallel * norm(whole)))
+  if (size_ == width_ || !(rest > dependence_limit * norm(whole)))
     return false;
   for (std::size_t c = 0; c < width_; ++c)
     q_[size_ * capacity_ + c] = left[c] / rest;

@@ -30,9 +30,10 @@ private:
 /// = Σ_k R_jk q_k for the force direction h_j of member j. Allocates nothing for clusters of one node.
 class RowBasis {
 public:
-  /// Fraction of a row's norm: if less than this is left after orthogonalisation, the row counts as linearly
-  /// dependent. Forces that distinguish such rows would be accurate to four digits only.
-  static constexpr double parallel = 1e-6;
+  /// Limit of linear dependence: a row counts as dependent if orthogonalisation leaves at most this fraction
+  /// of its norm. Closer to dependence, the distribution of the force among the rows would be accurate to
+  /// fewer than four digits.
+  static constexpr double dependence_limit = 1e-6;
   using Coordinates = SmallArray<double, 3>;
 
   /// Reserves memory for any cluster of `rows`, which must outlive this object.
@@ -55,8 +56,8 @@ public:
   void add_to(std::span<double> x, const Coordinates& b) const;
   /// Replaces b by R⁻¹ b: the coordinates in the basis q of the shortest vector x with h_j·x = b_j.
   void shortest(Coordinates& b) const;
-  /// Replaces the coefficients b in the orthonormal basis q by those in the rows h of the basis' members, R⁻ᵀ
-  /// b: Σ_j a_j h_j = Σ_k b_k q_k.
+  /// Replaces the coefficients b of a vector Σ_k b_k q_k by its coefficients a = R⁻ᵀ b in the force
+  /// directions of the members, Σ_j a_j h_j.
   void combine(Coordinates& b) const;
   [[nodiscard]] Coordinates coordinates() const { return Coordinates(capacity_); }
 

@@ -127,7 +127,8 @@ struct CompactVariables {
 [[nodiscard]] std::vector<CompactControl> controls_of(std::span<const CompactVariables> v);
 
 /// Adapter that stores and restores variables in an archive of controls and numbers, and passes all other
-/// types to that archive. `parameters`: their number; if 0, the entries have the names of a plain control.
+/// types to that archive. `parameters`: number of parameters in the variables; if 0, only the control is
+/// stored, under the name of the variables.
 template <class Archive>
 class VariablesArchive {
 public:

@@ -83,7 +83,7 @@ void ControlSpace::take_cells(const std::optional<std::string>& on) {
   if (!everywhere_) {
     std::vector<int> columns;
     for (std::size_t i = 0; i < places_.size() * components_.size(); ++i)
-      columns.push_back(static_cast<int>(entry(i)));
+      columns.push_back(static_cast<int>(field_index(i)));
     matrix_ = fem::columns(matrix_, columns);
   }
   volumes_ = volumes();
@@ -137,13 +137,13 @@ void ControlSpace::add(double a, std::span<const double> values, Vec field) cons
     return;
   }
   for (std::size_t i = 0; i < values.size(); ++i)
-    to[entry(i)] += a * values[i];
+    to[field_index(i)] += a * values[i];
 }
 
 void ControlSpace::restrict(Vec field, std::span<double> values) const {
   const petsc::ReadArray from(field);
   for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = from[everywhere_ ? i : entry(i)];
+    values[i] = from[everywhere_ ? i : field_index(i)];
 }
 
 double ControlSpace::control_bytes() const {
@@ -258,7 +258,7 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
-Control ControlSpace::weights() const {
+Control ControlSpace::diagonal_weights() const {
   const petsc::Vector other = diagonal() ? petsc::Vector() : lump(mass_);
   const petsc::ReadArray weight(cellwise_ ? volumes_ : lumped_ ? lumped_ : other);
   Control all = zero();
@@ -342,7 +342,7 @@ void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
       return axpy(weight(j, part), states, g.at(j));
     const std::span<double> values = g.at(j);
     for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] += weight(j, part) * states[entry(i)];
+      values[i] += weight(j, part) * states[field_index(i)];
   });
 }
 

@@ -16,12 +16,12 @@ namespace signorini::control {
 /// Space of controls: the set on which they act, their products, their bounds, and their force in the
 /// equation of motion. Controls have nodal values of the displacement's degree ("nodal") or one value for
 /// each cell ("cellwise"). They act on the whole body, a part of it or a surface; on a surface, a cell's
-/// value acts on the facets of the cell that lie on it. All members are collective.
+/// value acts on the facets of the cell that are part of the surface. All members are collective.
 ///
 /// A control is constant on each time step or on separate intervals (control.step, or the whole time); a step
 /// then takes the mean over its duration. The values u_j of an interval belong to the places (nodes or cells)
-/// and components where the control acts (places × components), place by place. A control on a surface is
-/// thus small; extend() gives its field.
+/// and components where the control acts (places × components), place by place. A control on a surface
+/// therefore stores few values; extend() inserts these into a field on the body.
 ///
 /// product() is the product of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j being the length of interval j, over the
 /// set on which the control acts. inner() is the optimizer's product. It equals product() unless there are
@@ -33,7 +33,7 @@ public:
   using Vector = Control;
   using Compact = CompactControl;
 
-  /// `grid`: time grid of the motions; its steps must be given already if controls are constant on each step.
+  /// `grid`: time grid of the motions; its steps must be known already if controls are constant on each step.
   /// The references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, step::TimeGrid grid,
                const scene::Control& scene);
@@ -42,8 +42,8 @@ public:
   [[nodiscard]] Control zero() const;
   /// Returns a control that has `value` wherever it acts.
   [[nodiscard]] Control constant(double value) const;
-  /// Returns the control of `components`, by interpolating their exact mean over each interval at the nodes
-  /// or the midpoints of cells. Throws UserError naming `key`.
+  /// Returns the control that the expressions `components` give. Its values are the exact means of the
+  /// expressions over each interval, at the nodes or the midpoints of cells. Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
   /// Number of values of an interval on this rank.
@@ -65,13 +65,15 @@ public:
   [[nodiscard]] double norm(const Control& u) const;
   /// Returns the optimizer's product of u and w.
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
-  /// Returns the functional inner(u, ·) as the values that pairings() multiplies with those of w.
+  /// Returns the functional inner(u, ·) as coefficients: inner(u, w) is the Euclidean product of these with
+  /// the values of w, summed over the ranks.
   [[nodiscard]] Control dual(const Control& u) const;
   /// Returns whether the matrix of dual() is diagonal.
   [[nodiscard]] bool diagonal() const { return cellwise_ || lumped_; }
   /// Returns the diagonal of the matrix of dual(), T_j included. If that matrix is not diagonal, returns the
-  /// diagonal of the lumped mass matrix (HRZ), which approximates the matrix on every mesh.
-  [[nodiscard]] Control weights() const;
+  /// diagonal of the lumped mass matrix (HRZ), also times T_j: a preconditioner that is equally good on every
+  /// mesh.
+  [[nodiscard]] Control diagonal_weights() const;
   /// Returns the products inner(u_i, w_j) from the duals of the u_i (duals × w), in one pass over the w_j and
   /// one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
@@ -91,14 +93,14 @@ public:
   [[nodiscard]] double control_bytes() const;
   /// Returns the memory of one control in single precision on all ranks, bytes. Collective.
   [[nodiscard]] double compact_bytes() const { return control_bytes() * sizeof(float) / sizeof(double); }
-  /// Returns the memory of the matrix that was assembled for the control alone, on all ranks, bytes; 0 if W
-  /// serves. Collective.
+  /// Returns the memory of the matrix that was assembled for the control alone, on all ranks, bytes; 0 if the
+  /// control uses the matrix W of the body. Collective.
   [[nodiscard]] double matrix_bytes() const { return matrix_ ? petsc::bytes(matrix_) : 0; }
 
   /// Number of time steps of the motions.
   [[nodiscard]] int steps() const { return grid_.steps(); }
   [[nodiscard]] const fem::Space& space() const { return space_; }
-  /// Returns the group on which the control acts; none: the whole body.
+  /// Returns the group on which the control acts, or no value if it acts on the whole body.
   [[nodiscard]] const std::optional<std::string>& on() const { return on_; }
   /// Returns whether a control has one value for each cell, rather than nodal values.
   [[nodiscard]] bool cellwise() const { return cellwise_; }
@@ -115,9 +117,9 @@ public:
   /// Adds `weight` times the force s u to `sum`, for the values u of an interval.
   void add_force(std::span<const double> u, step::NodalForce sum, double weight) const;
 
-  /// Adds to g the contribution of step k to a Riesz representative in product(): that of the functional u ↦
-  /// Σ_k impulse() p_k · (force of u in step k). This is the transpose of add_force(). For nodal values of
-  /// each step the contribution is (τ_k s/2) p_k (docs/method.md section 4).
+  /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional u ↦
+  /// Σ_k impulse() p_k · (force of u in step k). This is the transpose of add_force(). If the control has
+  /// nodal values for each step, the contribution is (τ_k s/2) p_k (docs/method.md section 4).
   void add_riesz(int k, Vec p, Control& g) const;
 
   /// Number of intervals on which controls are constant.
@@ -126,8 +128,8 @@ public:
   [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
   /// Returns whether a control has values for each time step, rather than for separate intervals.
   [[nodiscard]] bool stepwise() const { return stepwise_; }
-  /// Calls visit(j, part) for the intervals between the times `from` and `to` (s). `part`: fraction of this
-  /// time that lies in interval j; the fractions add up to one.
+  /// Calls visit(j, part) for each interval j that overlaps the time from `from` to `to` (s). `part`:
+  /// fraction of this time that lies in interval j; the fractions add up to one.
   template <class Visit>
   void for_each_interval(double from, double to, Visit&& visit) const {
     const auto [first, last] = intervals(from, to);
@@ -147,11 +149,12 @@ public:
       return visit(step.k, 1.0);
     for_each_interval(step.begin, step.end, visit);
   }
-  /// Returns how much u varies between two times (s): ∫ |u − ū| dt, ū the mean there, relative to ∫ |u| dt
-  /// over all times. Each integral is the largest over the values of u.
+  /// Returns how much u varies between two times (s): ∫ |u − ū| dt between these times, where ū is the mean
+  /// of u there, divided by ∫ |u| dt over the whole time. The numerator is the largest among the values of u,
+  /// the denominator the largest among the values that vary; 0 if none varies.
   [[nodiscard]] double variation(const Control& u, double from, double to) const;
 
-  /// Returns the begin of interval j, s; for j = count() + 1 the end of the motion.
+  /// Returns the beginning of interval j, s; for j = count() + 1, the end of the last interval.
   [[nodiscard]] double begin(int j) const { return intervals_.time(j - 1); }
   /// Returns the middle of interval j, s; 0 for a control that is constant in time.
   [[nodiscard]] double middle(int j) const { return constant_in_time_ ? 0 : begin(j) + length(j) / 2; }
@@ -173,8 +176,8 @@ private:
   /// Returns the sum of `mine` over all ranks.
   [[nodiscard]] double sum(double mine) const;
 
-  /// Returns the local entry of a field that belongs to an owned value.
-  [[nodiscard]] std::size_t entry(std::size_t value) const {
+  /// Returns the local index, in a field, of the value number `value` of an interval.
+  [[nodiscard]] std::size_t field_index(std::size_t value) const {
     const std::size_t n = components_.size();
     return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
   }
@@ -194,16 +197,17 @@ private:
   std::optional<std::string> on_;
   std::vector<int> components_;
   std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
-  bool everywhere_ = false; ///< whether values are a field: all places and components, on all ranks
+  bool everywhere_ = false; ///< whether the control acts at all places and in all components, on all ranks
   std::vector<double> points_;
-  petsc::Matrix matrix_;  ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
+  petsc::Matrix matrix_;  ///< nodal: mass matrix, null if it is W; cellwise: ∫ u·φ (dofs × values)
   Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), matrix_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
   std::size_t size_ = 0;
-  /// Scratch: work_ for values; in_, out_ placed on arrays of controls; field_ for a field.
+  /// Scratch: work_ has the values of an interval, in_ and out_ use arrays of controls (petsc::Placed),
+  /// field_ is a field.
   petsc::Vector work_, in_, out_, field_;
-  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where inner() is product()
+  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null if inner() equals product()
 };
 
 /// Force of a control that is given by expressions. Its mean over an interval is evaluated when a step needs

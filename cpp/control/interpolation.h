@@ -6,18 +6,18 @@
 
 namespace signorini::control {
 
-/// Transfers controls from one space to another, which may have another mesh of the same body, degree, kind
-/// of values, time step or number of ranks.
+/// Transfers controls from one space to another. The spaces may differ in their meshes of the body, in
+/// degree, kind of values and time steps.
 ///
 /// In space it is finite-element interpolation: the function is evaluated at each place (node or midpoint) of
 /// the target space. A place just outside the mesh takes the polynomial of the nearest cell. A place on a
 /// surface takes the value at the nearest point of the source's surface. In time each target interval takes
-/// the mean over its duration, which is the L2 projection. If the target's intervals divide the source's,
+/// the mean over its duration, which is the L2 projection. If the target's intervals subdivide the source's,
 /// values are repeated and products of controls are preserved.
 class Interpolation {
 public:
-  /// Prepares the transfer from the space `from` to the space `to`, which must outlive this object. Throws
-  /// UserError if one of them acts by a force on a surface and the other in the body. Collective.
+  /// Prepares the transfer from the space `from` to the space `to`. Both must outlive this object, and their
+  /// controls must act on sets of the same dimension. Collective.
   Interpolation(const ControlSpace& from, const ControlSpace& to);
 
   /// Returns the largest distance of a place of the target space from the set on which controls of the source

@@ -17,11 +17,11 @@ struct Data {
   std::vector<scene::TableWarning> warnings{};   ///< warnings about the table of these data
 };
 
-/// Simulated values of the quantities that a scene measures, along a motion and its derivatives by the
-/// unknowns (docs/method.md section 10). Displacement and velocity are linear between the ends of steps. The
-/// force of step k acts in the step's middle and is linear between middles. In contact-implicit steps, whose
-/// forces alternate, the mean of two steps acts at the time between them. Contact times are not included. All
-/// members are collective.
+/// Simulated values of the quantities that a scene measures, along a motion, and the derivatives of these
+/// values by the unknowns (docs/method.md section 10). Displacement and velocity are linear between the ends
+/// of steps. The force of step k acts in the step's middle and is linear between middles. In contact-implicit
+/// steps, whose forces alternate, the mean of two steps acts at the time between them. Contact times are not
+/// included. All members are collective.
 class Measurements final : public step::StateDuals, public adjoint::VelocityForceDuals {
 public:
   /// `times`: sample times of each of the scene's measurements, s. `columns`: number of columns of values: 1
@@ -39,15 +39,16 @@ public:
 
   /// Number of values of all fitted measurements together.
   [[nodiscard]] std::size_t count() const { return samples_.size(); }
-  /// Returns the index of each measurement's first value, and at last count(). Measurements that are not
+  /// Returns the index of each measurement's first value, followed by count(). Measurements that are not
   /// fitted have no values.
   [[nodiscard]] const std::vector<std::size_t>& first() const { return first_; }
 
-  /// Returns the values of a column after the last frame: of the motion (column 0), or of its derivative by
-  /// unknown j (column j + 1).
+  /// Returns a column of simulated values; call it after the last frame. Column 0 contains the values along
+  /// the motion, column j + 1 their derivatives by unknown j.
   [[nodiscard]] std::vector<double> values(std::size_t column = 0) const;
 
-  /// Sets the derivatives of J by the measured values; the duals of states and forces follow from these.
+  /// Sets the derivatives of J by the simulated values, from which add() and forces() compute duals of states
+  /// and forces.
   void set_derivative(std::span<const double> by_values);
 
   [[nodiscard]] bool has_density() const override { return false; }
@@ -69,15 +70,15 @@ private:
     step::ObstacleComponent force{};
     std::vector<std::vector<double>> values{}; ///< values in each column (N + 1); a force is zero at entry 0
   };
-  /// A measured value, Σ weights · channel. For an impulse the weights multiply sums of τ times the force up
-  /// to each step.
+  /// Simulated counterpart of a measured value: Σ weights · channel. For an impulse the weights apply to the
+  /// sums of τ times the force up to each step.
   struct Sample {
     std::size_t channel;
     bool impulse;
     std::vector<std::pair<int, double>> weights;
   };
 
-  /// Returns the steps and weights by which a state (`force`: a force) is interpolated at time `t` (s).
+  /// Returns the steps and weights that interpolate a state or, if `force`, a force at time `t` (s).
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
   /// Returns the force of a channel in step k from the multipliers `lambda` of the rows.
   [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,

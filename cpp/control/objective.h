@@ -25,7 +25,7 @@ public:
   [[nodiscard]] double tracking() const { return tracking_; }
   /// Returns the weight α of the control cost; the derivative of that cost by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
-  /// Returns the weight w_k of ‖e_k‖²: tracking and terminal term of J are Σ_k ½ w_k ‖e_k‖².
+  /// Returns the weight w_k of ½ ‖e_k‖²: the tracking and terminal terms of J together are Σ_k ½ w_k ‖e_k‖².
   [[nodiscard]] double of(int k) const { return tracking_at(k) + terminal_at(k); }
   /// Computes J from the squared distances ‖e_k‖² (N + 1) and the control u, which is not read if α is zero.
   [[nodiscard]] ObjectiveValue value(const std::vector<double>& squared_distances,
@@ -56,7 +56,7 @@ public:
   [[nodiscard]] double norm(Vec y) const;
 
 private:
-  petsc::Matrix own_; ///< null for the whole body
+  petsc::Matrix own_; ///< matrix of the set's product; null for the whole body
   Mat product_;       ///< own_ or W
   petsc::Vector difference_, work_;
 };
@@ -88,8 +88,8 @@ public:
 
   /// Returns the error of J's quadrature in time, exact integral minus quadrature, to leading order. The
   /// trapezoidal rule of the tracking term contributes −Σ_k τ_k²/12 times the change of d/dt ½ θ ‖e‖² over
-  /// step k. A control that varies in time contributes +Σ_k τ_k²/12 ∫ α/2 ‖u'‖² dt over step k, u_k being the
-  /// mean over that step. Zero for fewer than three steps.
+  /// step k. A control with values for each step contributes +Σ_k τ_k²/12 ∫ α/2 ‖u'‖² dt over step k, u_k
+  /// being the mean over that step. Zero for fewer than three steps.
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// Returns the weight α of the control cost; the derivative of that cost by the control is α u.

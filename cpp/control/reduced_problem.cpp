@@ -102,14 +102,14 @@ void ReducedProblem::accept() { std::swap(current_, trial_); }
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
                                   const step::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
-  Control g = swept(contact, dual, scale, u, {});
+  Control g = pull_back_by_sweep(contact, dual, scale, u, {});
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& contact,
-                              const step::DualAtStep& dual, double scale, const Control& u,
-                              const AdjointObserver& visit) {
+Control ReducedProblem::pull_back_by_sweep(const std::vector<contact::ContactLinearisation>& contact,
+                                           const step::DualAtStep& dual, double scale, const Control& u,
+                                           const AdjointObserver& visit) {
   // g_k = α u_k + τ s/2 p_k (method.md, section 4)
   Control g = u;
   g.scale(scale);
@@ -127,19 +127,19 @@ Control ReducedProblem::adjoint(const step::DualAtStep& dual) {
 
 Variables ReducedProblem::derivative(Evaluation& at) {
   const auto timer = timers_.time("adjoint");
-  Variables g = swept(at, {});
+  Variables g = derivative_by_sweep(at, {});
   ++sweeps_.adjoint;
   return g;
 }
 
-Variables ReducedProblem::swept(Evaluation& at, const AdjointObserver& visit) {
+Variables ReducedProblem::derivative_by_sweep(Evaluation& at, const AdjointObserver& visit) {
   std::optional<ObjectiveDuals> by_states;
   if (objective_)
     by_states.emplace(*objective_, at.trajectory);
   const step::DualAtStep duals(at.model.stepper->space(),
                                {by_states ? &*by_states : nullptr, at.model.measurements});
   if (!misfit_)
-    return swept(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
+    return pull_back_by_sweep(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
   at.model.measurements->set_derivative(misfit_->by_values(at.residuals));
   step::Stepper::Workspace work = at.model.stepper->workspace();
   Variables g(at.v.u);
@@ -159,7 +159,9 @@ Variables ReducedProblem::swept(Evaluation& at, const AdjointObserver& visit) {
 
 Control ReducedProblem::l2_gradient() { return derivative(*current_).u; }
 
-void ReducedProblem::adjoint_states(const AdjointObserver& visit) { (void)swept(*current_, visit); }
+void ReducedProblem::adjoint_states(const AdjointObserver& visit) {
+  (void)derivative_by_sweep(*current_, visit);
+}
 
 Variables ReducedProblem::gradient(Evaluation& at) {
   if (at.gradient)

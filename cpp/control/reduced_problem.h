@@ -23,7 +23,7 @@ struct Model {
   const step::Load* given = nullptr;     ///< force of the scene's control; acts if no control is sought
   Measurements* measurements = nullptr;  ///< only if parameters are sought
   step::ParameterRates* rates = nullptr; ///< only if parameters are sought
-  std::shared_ptr<const void> parts{};   ///< owns all of the other members, or some
+  std::shared_ptr<const void> parts{};   ///< owns objects that the other members refer to; may be null
 };
 
 /// Reduced objective (u, x) ↦ J(S(u, x), u, x), S being the solution operator of the contact problem: value,
@@ -43,8 +43,8 @@ public:
     int forward = 0, adjoint = 0;
   };
 
-  /// Function that creates the model for parameters x, with `columns` columns of measurements. Throws
-  /// UserError if the scene is not valid at x.
+  /// Function that creates the model for parameters x, with `columns` columns of values in Measurements.
+  /// Throws UserError if the scene is not valid at x.
   using ModelAt =
       std::function<Model(std::span<const double> x, std::size_t columns, trajectory::Stops stops)>;
 
@@ -57,8 +57,8 @@ public:
                  const Objective* objective, Timers& timers);
 
   /// Makes v the trial by computing its motion, a forward sweep. Throws Interrupted, SolverFailure. With
-  /// parameters, SolverFailure is also thrown if the scene is not valid at v or a parameter is farther from
-  /// the current point than one step may go.
+  /// parameters, SolverFailure is also thrown if the scene is not valid at v, or if a parameter differs from
+  /// the current point by more than one step of the search may change it.
   void simulate(const Variables& v);
   /// Computes J at v, which becomes the trial as in simulate().
   [[nodiscard]] double value(const Variables& v);
@@ -82,17 +82,18 @@ public:
   /// Interrupted.
   Control l2_hessian_product(const Control& d);
   /// Returns the Hessian product H d at the current point, as Riesz representative in inner(). With
-  /// parameters it is a difference of gradients over a length of 1e-5 relative to the point, right to about
-  /// five digits if no active set changes within that length.
+  /// parameters it is a difference quotient of two gradients. Their distance is 1e-5 times the norm of the
+  /// current point in inner(), or 1e-5 at zero. About five digits are correct if no active set changes over
+  /// this distance.
   Variables hessian_product(const Variables& d);
 
   /// Computes the residuals r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each
   /// parameter. Throws UserError if the scene is not valid at v, SolverFailure, Interrupted.
   [[nodiscard]] optimize::LeastSquares least_squares(const Variables& v,
                                                      trajectory::Stops stops = trajectory::Stops::obeyed);
-  /// Sets the weights of parameters in inner() at a first guess, and makes that guess the current point. A
-  /// change of x_j then has the same length as a change of the control along which J has the same curvature.
-  /// The weights are 1 before the first call.
+  /// Sets the weights of parameters in inner() at a first guess, and makes that guess the current point. The
+  /// misfit then has the same curvature along each x_j, per unit of squared length in inner(), as J has along
+  /// its steepest descent by the control alone. The weights are 1 before the first call.
   void weigh_parameters(const Variables& guess);
 
   /// Computes S'(u) d: passes the linearised displacements δy_1…δy_N at the current control, with frozen
@@ -142,7 +143,7 @@ public:
   /// Returns the numbers of sweeps so far.
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Sets the numbers of sweeps so far, when a search is resumed.
-  void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
+  void restore_sweeps(Sweeps sweeps) { sweeps_ = sweeps; }
   /// Returns the force of the loads and of the current control; valid until another point is accepted.
   [[nodiscard]] step::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return *controls_; }
@@ -153,9 +154,9 @@ public:
 private:
   /// A point of the search with its model, its motion and the value of J.
   struct Evaluation {
-    Evaluation(Variables at, const ControlSpace* controls, Model with, bool whole)
+    Evaluation(Variables at, const ControlSpace* controls, Model with, bool whole_states)
         : v(std::move(at)), model(std::move(with)),
-          trajectory(*model.stepper, *model.initial, *model.storage, whole) {
+          trajectory(*model.stepper, *model.initial, *model.storage, whole_states) {
       if (controls)
         force.emplace(*controls, v.u);
     }
@@ -168,7 +169,7 @@ private:
     trajectory::Trajectory trajectory;
     std::vector<double> squared_distances, residuals;
     ObjectiveValue value;
-    std::optional<Variables> gradient; ///< gradient in inner(); stored only with parameters, once computed
+    std::optional<Variables> gradient; ///< gradient in inner(), once computed; empty without parameters
   };
 
   /// Creates a point with a separate model, for v with parameters. Throws SolverFailure if the scene is not
@@ -183,8 +184,9 @@ private:
   /// Returns the gradient at a point: by the control as Riesz representative in L2(0,T; L2), by parameters as
   /// dJ/dx.
   Variables derivative(Evaluation& at);
-  /// Computes derivative() without timing or counting it.
-  Variables swept(Evaluation& at, const AdjointObserver& visit);
+  /// Does the work of derivative() without timing or counting it, and passes the adjoint states to `visit`
+  /// unless it is empty.
+  Variables derivative_by_sweep(Evaluation& at, const AdjointObserver& visit);
   /// Returns the gradient at a point, as Riesz representative in inner().
   Variables gradient(Evaluation& at);
 
@@ -197,9 +199,11 @@ private:
   /// S' linearised on the active sets of `contact`.
   Control pull_back(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                     double scale, const Control& u);
-  /// Computes pull_back() without timing or counting it.
-  Control swept(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
-                double scale, const Control& u, const AdjointObserver& visit);
+  /// Does the work of pull_back() without timing or counting it, and passes the adjoint states to `visit`
+  /// unless it is empty.
+  Control pull_back_by_sweep(const std::vector<contact::ContactLinearisation>& contact,
+                             const step::DualAtStep& dual, double scale, const Control& u,
+                             const AdjointObserver& visit);
 
   ModelAt models_; ///< empty without parameters
   const Misfit* misfit_ = nullptr;

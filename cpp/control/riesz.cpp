@@ -24,7 +24,7 @@ Control divided(const Control& d, const Control& weights) {
 } // namespace
 
 Control riesz_representative(const ControlSpace& controls, const Control& d) {
-  const Control weights = controls.weights();
+  const Control weights = controls.diagonal_weights();
   if (controls.diagonal())
     return divided(d, weights);
   // Conjugate gradients: mass matrices, scaled by their lumped ones, are as well conditioned on every mesh.

@@ -46,7 +46,7 @@ Balance::Balance(const step::Stepper& stepper, Wanted wanted)
     : stepper_(stepper), reactions_(wanted.reactions) {
   for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &defect_})
     *x = stepper.space().vector();
-  if (wanted.controlled)
+  if (wanted.other_forces)
     loads_alone_.emplace(step::ForceAtStep(stepper.space(), {wanted.loads}));
 }
 
@@ -75,7 +75,7 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
   if (stepper_.predictor())
     now.contact_work -= sums.jump - sums.clamped_jump;
-  if (stepper_.motion())
+  if (stepper_.moving_clamps())
     now.external_work += tau * sums.reaction_power - sums.clamped_jump;
   // E_k − E_{k−1} + τ w·Bw − (f_k + s W u_k)·(y_k − y_{k−1}) − F_k·(y_k − y_{k−1}) (method.md, section 2)
   now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;

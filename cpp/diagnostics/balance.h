@@ -18,14 +18,14 @@ struct StepBalance {
   double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
   double elastic_energy = 0;      ///< ½ y·Ay at the end of the step
   double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
-  double external_work = 0;       ///< f·(y_k − y_{k−1}) of the step, with control and the clamps' motion
+  double external_work = 0;       ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
   double load_work = 0;           ///< work of the scene's loads alone
-  double contact_work = 0;        ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
+  double contact_work = 0;        ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
   double energy_residual = 0;     ///< residual of the energy identity
   std::array<double, 3> contact_force{}; ///< resultant of the contact forces on the body
   std::array<double, 3> momentum{};      ///< momentum at the end of the step, kg m/s
   std::array<double, 3>
-      momentum_residual{}; ///< rate of momentum less loads, contact forces and the clamp's reaction
+      momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions of clamps
   double momentum_scale =
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
@@ -36,9 +36,10 @@ class Balance {
 public:
   /// Optional parts of a balance.
   struct Wanted {
-    bool reactions = false;            ///< whether to compute the reactions of the clamps
-    bool controlled = false;           ///< whether forces other than the scene's loads act
-    const step::Load* loads = nullptr; ///< the scene's loads, if `controlled`; null without any
+    bool reactions = false;    ///< whether to compute the reactions of the clamps
+    bool other_forces = false; ///< whether forces other than the scene's loads act
+    /// The scene's loads; read only if `other_forces`; null if it has none.
+    const step::Load* loads = nullptr;
   };
 
   /// Prepares the balances of motions of `stepper`. Collective. The references must outlive this object.
@@ -50,7 +51,7 @@ public:
   StepBalance operator()(const trajectory::Frame& frame);
 
   /// Returns the forces of the clamps on the body in the last frame's step, on the clamped dofs; entries of
-  /// other dofs have no meaning. Null unless wanted, zero in frame 0.
+  /// other dofs have no meaning. Null unless Wanted::reactions is set; zero in frame 0.
   [[nodiscard]] Vec reactions() const { return reactions_ ? Vec(defect_) : nullptr; }
 
 private:
@@ -68,10 +69,11 @@ private:
   double energy_ = 0; ///< kinetic and elastic energy of the last frame
 };
 
-/// Monitors the exact laws of the scheme step by step (docs/method.md section 2). A defect is relative to the
-/// largest quantity of its kind in the run so far; penetration is relative to the body's diameter. For
-/// defects of contact forces this reference is at least the force of an impact with the run's energy, since
-/// at the first touch there is no earlier force: the momentum divided by the time of a wave across the body.
+/// Monitors the exact laws of the scheme step by step (docs/method.md section 2). Defects are relative: to
+/// the largest quantity of their kind in the run so far, or in the case of penetration to the body's
+/// diameter. At the first touch there is no earlier contact force. Therefore contact forces are compared with
+/// at least the force of an impact with the run's largest energy: the momentum of the body at this energy,
+/// divided by the time in which a wave crosses the body.
 class Invariants {
 public:
   /// Relative defect of one law.
@@ -108,7 +110,7 @@ public:
 
 private:
   const step::Stepper& stepper_;
-  double stiffness_ = 0;   ///< largest diagonal entry of A, as its norm
+  double stiffness_ = 0;   ///< largest diagonal entry of A, an estimate of its norm
   double mass_, crossing_; ///< mass of the body, kg (in 2D kg/m); crossing time of a wave, s
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
   std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},

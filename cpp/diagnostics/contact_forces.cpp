@@ -94,7 +94,7 @@ void ContactTimes::observe(const step::TimeStep& step, const contact::ContactSta
   else if (!touching_.empty()) {
     ending_ = true;
     intervals_.back().end = step.begin + step.tau * unknown;
-    held_ = touching_;
+    last_touching_ = touching_;
   }
   touching_ = std::move(touching);
 }
@@ -114,7 +114,7 @@ double ContactTimes::until_onset(const std::vector<int>& touching) const {
 
 double ContactTimes::since_release() const {
   double least = step_before_.tau;
-  for (const int place : held_) {
+  for (const int place : last_touching_) {
     const auto i = static_cast<std::size_t>(place);
     least = std::min(least, crossing(last_[i], now_[i], step_.tau, step_before_.tau));
   }

@@ -18,20 +18,20 @@ struct ObstacleForce {
   std::array<double, 3> force{};   ///< resultant force on the body, N
   double normal_force = 0;         ///< sum of the moduli of the nodal forces, N
   int active = 0;                  ///< number of candidates in contact
-  double min_gap = 0;              ///< least gap of a candidate, m
+  double min_gap = 0;              ///< least gap over the candidates, m
   std::array<double, 3> impulse{}; ///< Σ τ_k F_k of the steps so far, N s
 };
 
-/// Computes the contact forces of a motion by obstacles, frame by frame. The force of step k (docs/method.md
-/// section 2) acts from t_{k−1} to t_k. Not collective: every rank has all candidates.
+/// Computes the contact force of each obstacle on the body, frame by frame. The force of step k
+/// (docs/method.md section 2) acts from t_{k−1} to t_k. Not collective: every rank has all candidates.
 class ObstacleForces {
 public:
-  /// Creates zero forces for the obstacles of `stepper`, none without contact. `stepper` must outlive this
-  /// object.
+  /// Sets the force of each obstacle of `stepper` to zero. each() is empty in a scene without contact.
+  /// `stepper` must outlive this object.
   explicit ObstacleForces(const step::Stepper& stepper);
 
-  /// Computes the forces of the next frame; frames are passed in order, from frame 0 on, in which no force
-  /// acts. Allocates in the first call.
+  /// Computes the forces of the next frame. Frames are passed in order, from frame 0 on. In frame 0 no force
+  /// acts. The first call allocates memory.
   void observe(const trajectory::Frame& frame);
 
   /// Returns the forces of each obstacle, by its index in the scene.
@@ -46,8 +46,8 @@ private:
   std::vector<double> forces_; ///< forces of the constraint rows, N
 };
 
-/// Finds the step of the largest contact force of a motion. Of forces that differ by rounding alone it takes
-/// the first one, which is the same on any number of ranks.
+/// Finds the step of the largest contact force of a motion. Among forces that differ by rounding alone it
+/// takes the first one, so that the step does not depend on the number of ranks.
 class LargestForce {
 public:
   /// Takes the normal force of the next step, N; returns whether this is the largest force so far.
@@ -57,17 +57,19 @@ private:
   double largest_ = 0;
 };
 
-/// Intervals of time in which any of some candidates is in contact, resolved within steps (docs/method.md
-/// section 8).
+/// Intervals of time in which at least one of the given candidates is in contact, resolved within steps
+/// (docs/method.md section 8).
 ///
-/// Counting steps resolves contact times to τ/2. Here contact begins where the gaps before the interval,
-/// continued linearly, vanish, and ends where the gaps after it do. Let a and b be the first and the last
-/// step of the interval with a force, and i the candidates that have a force in step a or b, respectively:
+/// Counting steps resolves contact times to τ/2. Here contact begins when the gaps, extrapolated linearly
+/// from the two times before the interval, vanish. It ends when the gaps, extrapolated from the two times
+/// after the interval, vanish. Let a and b be the first and the last step of the interval with a force. The
+/// minimum is over the candidates i that have a force in step a (for start) or in step b (for end):
 ///     start = t_{a−1} + min_i τ_{a−1} g_{a−1} / (g_{a−2} − g_{a−1})
 ///     end   = t_{b+1} − min_i τ_{b+2} g_{b+1} / (g_{b+2} − g_{b+1})
-/// within the steps a and b + 1. If two gaps do not exist or do not fall towards the contact, the middle of
-/// step a or b + 1 is taken. With middles throughout, the times are those of counting steps. The error is
-/// O(τ²) where bodies meet and part with a speed.
+/// start is limited to step a, end to step b + 1. If one of the two gaps of a candidate does not exist, or if
+/// the gap does not fall towards the contact, the middle of step a or b + 1 is taken. With both middles, an
+/// interval of equal steps is as long as its steps with a force. The error is O(τ²) if the body arrives at
+/// the obstacle and leaves it at a nonzero speed.
 class ContactTimes {
 public:
   /// `candidates`: indices of the candidates to observe.
@@ -93,19 +95,20 @@ private:
   std::vector<int> candidates_;
   std::vector<double> before_, last_, now_; ///< gaps after the steps k − 2, k − 1 and k
   std::vector<int> touching_;               ///< indices in candidates_ of the candidates in contact in step k
-  std::vector<int> held_; ///< indices of the candidates in contact in the last interval's last step
+  std::vector<int> last_touching_;          ///< like touching_, but for the last step of the latest interval
   std::vector<Interval> intervals_;
   step::TimeStep step_, step_before_; ///< steps k and k − 1
   bool ending_ =
-      false; ///< step k is the first without contact: the gap after the next one determines the end
+      false; ///< whether step k is the first without contact; the gaps after step k + 1 determine the end
 };
 
-/// Returns the suffix of the names of an obstacle's quantities in a scene with several obstacles, from the
-/// obstacle's index.
+/// Returns the suffix _1, _2 … for the obstacle with the index 0, 1 …. In a scene with several obstacles the
+/// names of an obstacle's quantities end with this suffix.
 std::string obstacle_suffix(int obstacle);
 
-/// Measures impulse, forces and times of contact frame by frame: of all obstacles together and, if there are
-/// several, of each obstacle, whose number is then appended to the names. In the plane forces are per metre.
+/// Measures impulse, forces and times of contact frame by frame, for all obstacles together. If there are
+/// several obstacles, it also measures them for each one, under names that end with obstacle_suffix(). In the
+/// plane forces and impulses are per metre.
 class ContactFigures {
 public:
   /// `stepper` must outlive this object.
@@ -123,7 +126,7 @@ private:
   struct ObstacleFigures {
     std::string suffix; ///< suffix of the quantities' names
     ContactTimes times;
-    trajectory::ImpulseRecord record{}; ///< record of the sum of the forces' moduli
+    trajectory::ImpulseRecord record{}; ///< record of the sum of the nodal forces' moduli
     /// Force of the last step, N (in 2D N/m), and impulse so far, N s (N s/m).
     std::array<double, 3> before{}, impulse{};
     double peak = 0;
@@ -133,7 +136,7 @@ private:
 
   const step::Stepper& stepper_;
   ObstacleForces forces_;
-  std::vector<ObstacleFigures> obstacles_; ///< figures of all obstacles together first
+  std::vector<ObstacleFigures> obstacles_; ///< all obstacles together; then each, if there are several
 };
 
 } // namespace signorini::diagnostics

@@ -144,7 +144,7 @@ std::optional<Impact> ImpactSummary::impact() const {
     sum_up(records_[i], impact.obstacles[i]);
   sum_up(records_.back(), impact.all);
   impact.ended = open_steps_ >= least_open;
-  impact.no_restitution = unfit();
+  impact.no_restitution = no_restitution_reason();
   impact.whole.touches = static_cast<int>(touches_.size());
   impact.bounces = bounces();
   if (!impact.no_restitution.empty())
@@ -167,11 +167,11 @@ bool Impact::begins(double t, double crossing) const {
 }
 
 std::vector<Rebound> ImpactSummary::bounces() const {
-  const bool fit = unfit().empty();
+  const bool restitution_possible = no_restitution_reason().empty();
   std::vector<Rebound> all;
   for (const Rebound& touch : touches_) {
     all.push_back(touch);
-    while (all.size() > 1 && one_bounce(all[all.size() - 2], all.back(), fit)) {
+    while (all.size() > 1 && one_bounce(all[all.size() - 2], all.back(), restitution_possible)) {
       const Rebound last = all.back();
       all.pop_back();
       Rebound& bounce = all.back();
@@ -186,11 +186,12 @@ std::vector<Rebound> ImpactSummary::bounces() const {
   return all;
 }
 
-bool ImpactSummary::one_bounce(const Rebound& first, const Rebound& second, bool fit) const {
+bool ImpactSummary::one_bounce(const Rebound& first, const Rebound& second, bool restitution_possible) const {
   constexpr double brief = 0.5; // of the shorter one: a body at rest after a bounce is in contact for long
   const double pause = second.start - first.end,
                shorter = std::min(first.end - first.start, second.end - second.start);
-  return pause <= std::max(brief * shorter, 2 * crossing_) || (fit && along(first.after, first.impulse) <= 0);
+  return pause <= std::max(brief * shorter, 2 * crossing_) ||
+         (restitution_possible && along(first.after, first.impulse) <= 0);
 }
 
 double ImpactSummary::along(const std::array<double, 3>& velocity,
@@ -209,7 +210,7 @@ std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
   return -away / towards;
 }
 
-std::string ImpactSummary::unfit() const {
+std::string ImpactSummary::no_restitution_reason() const {
   if (!impact_.all.occurred())
     return "the body touched no obstacle";
   constexpr double rounding = 1e-12;

@@ -11,9 +11,10 @@
 
 namespace signorini::diagnostics {
 
-/// Contact with one obstacle, or with all obstacles, over a motion. Times are those of steps: the force of
-/// step k acts from t_{k−1} to t_k. Peaks are largest means over two steps in a row, since forces of single
-/// contact-implicit steps alternate (docs/method.md section 2). In 2D forces are in N/m, impulses in N s/m.
+/// Contact with one obstacle, or with all obstacles, over a motion. Times are not resolved within steps: the
+/// force of step k acts from t_{k−1} to t_k. Peaks are largest means over two steps in a row, since forces of
+/// single contact-implicit steps alternate (docs/method.md section 2). In 2D forces are in N/m and impulses
+/// in N s/m.
 struct Touch {
   std::string name;                ///< name of the obstacle
   double start = 0, end = 0;       ///< begin of the first, end of the last step with a contact force, s
@@ -22,13 +23,14 @@ struct Touch {
   double normal_impulse = 0;       ///< impulse of the sum of the moduli of the nodal forces
   double peak = 0;                 ///< largest modulus of the resultant
   double normal_peak = 0;          ///< largest sum of the moduli of the nodal forces
-  double peak_time = 0;            ///< time of that peak, between its two steps, s
-  bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: the peak
-                                   ///< is then that of the first hit, and mostly depends on step and size
+  double peak_time = 0;            ///< time of normal_peak, between its two steps, s
+  bool peak_at_onset = false;      ///< whether contact began at most a wave's crossing time before the peak,
+                                   ///< which then depends mostly on time step and element size
   double largest_step = 0;         ///< largest sum of the nodal forces' moduli in a single step
-  double impulse_duration = 0;     ///< time from 1 to 99 % of the normal impulse, s
-  double sustained_peak = 0;       ///< largest mean of that sum over `sustained_over`, N
-  double sustained_over = 0;       ///< time in which a wave crosses four elements in contact, or two steps, s
+  double impulse_duration = 0;     ///< time in which normal_impulse grows from 1 to 99 % of its total, s
+  double sustained_peak = 0;       ///< largest mean of Σ |nodal force| over a time `sustained_over`, N
+  double sustained_over = 0;       ///< time in which a wave crosses four elements in contact, but at least
+                                   ///< the length of two steps, s
   double least_gap = std::numeric_limits<double>::infinity(); ///< least gap at the end of a step, m
   double least_gap_time = 0;                                  ///< first time of that gap, s
 
@@ -38,12 +40,12 @@ struct Touch {
 /// Effect of contact on the motion of the body as a whole.
 struct Rebound {
   double start = 0, end = 0; ///< begin of the first, end of the last step with a force, s
-  int touches = 1; ///< number of touches; between two, no candidate is in contact for two steps or more
+  int touches = 1; ///< number of touches; at least two steps in a row without contact separate two touches
   std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s, in 2D N s/m
-  double peak = 0;                 ///< largest sum of nodal forces' moduli in the mean of two steps, N
+  double peak = 0;                 ///< largest mean of Σ |nodal force| over two steps, N
   std::array<double, 3> before{},  ///< velocity of the centre of mass at `start`, m/s
       after{};                     ///< velocity of the centre of mass at `end`, m/s
-  /// Coefficient of restitution −(after·n)/(before·n), n being the impulse in components without clamps.
+  /// Coefficient of restitution −(after·n)/(before·n), where n is `impulse` with zeros in clamped components.
   /// Defined only if the body moved towards one obstacle at rest, touched no other obstacle, and left it.
   std::optional<double> restitution{};
 };
@@ -55,7 +57,7 @@ struct Impact {
   Touch all;                    ///< contact with all obstacles together
   bool ended = false;           ///< whether no candidate was in contact in the last two steps
   Rebound whole;                ///< effect of contact, from the first force to the last
-  std::vector<Rebound> bounces; ///< effect of each bounce; pauses between bounces are longer than within
+  std::vector<Rebound> bounces; ///< effect of each bounce (one touch, or several without flight between)
   std::string no_restitution;   ///< reason why `whole` has no restitution; empty if it has one
 
   /// Returns whether time `t` (s) is within `crossing` (s) after the begin of a bounce. `crossing`: time in
@@ -76,7 +78,7 @@ struct EnergyAccount {
 /// Sums up energies and contact of a motion frame by frame.
 class ImpactSummary {
 public:
-  /// Collective. The references must outlive this object.
+  /// Prepares the summary. Collective. The references must outlive this object.
   ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene);
 
   /// Takes the next frame with its balance and contact forces; frames are passed in order, from frame 0 on.
@@ -88,13 +90,13 @@ public:
   [[nodiscard]] std::optional<Impact> impact() const;
 
 private:
-  /// Contact with an obstacle, or with all, after the last step, from which means over two steps are
-  /// computed.
+  /// Contact with one obstacle, or with all, in the last step: the forces, for means over two steps, and data
+  /// on pauses of contact.
   struct Last {
     std::array<double, 3> force{};
     double normal_force = 0;
     int open = 0;     ///< number of steps in a row without a force
-    double begun = 0; ///< time at which contact last began after such a pause, s
+    double begun = 0; ///< begin of the latest contact that follows at least two steps without a force, s
   };
   /// Adds one step to the contact with an obstacle, or with all.
   void take(const trajectory::Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
@@ -102,26 +104,27 @@ private:
   /// the step, kg m/s.
   void rebound(const trajectory::Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
                const std::array<double, 3>& after);
-  /// Returns the reason why no coefficient of restitution is defined; empty if one may be.
-  [[nodiscard]] std::string unfit() const;
-  /// Returns the bounces, groups of touches: a flutter is one bounce.
+  /// Returns the reason why no bounce of the motion has a coefficient of restitution; empty if there is
+  /// no such reason.
+  [[nodiscard]] std::string no_restitution_reason() const;
+  /// Returns the bounces. Touches between which the body does not fly are joined into one bounce.
   [[nodiscard]] std::vector<Rebound> bounces() const;
-  /// Returns whether two successive rebounds belong to one bounce, since the body does not fly in the pause
-  /// between them. The pause is short relative to both, or shorter than the shortest bounce, in which a wave
-  /// crosses the body and returns. With `fit`, a body for which a restitution is defined, it also suffices
-  /// that the body has not turned back.
-  [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool fit) const;
-  /// Returns the coefficient of restitution −(after·n)/(before·n); nothing unless the body came nearer before
-  /// and left after.
+  /// Returns whether two successive rebounds belong to one bounce, because the body does not fly in the pause
+  /// between them. They do if the pause is at most half as long as the shorter rebound, or at most as long as
+  /// a wave takes to cross the body and return. If `restitution_possible` (no_restitution_reason() is empty),
+  /// they also do if the first rebound does not turn the body away from the obstacle.
+  [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool restitution_possible) const;
+  /// Returns the coefficient of restitution −(after·n)/(before·n). Returns nothing unless the body moves
+  /// towards the obstacle before the rebound, and away from it afterwards.
   [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
-  /// Returns the product of a velocity and an impulse over the components without clamps.
+  /// Returns the scalar product of a velocity and an impulse over the components without clamps.
   [[nodiscard]] double along(const std::array<double, 3>& velocity,
                              const std::array<double, 3>& impulse) const;
 
   const step::Stepper& stepper_;
   std::array<bool, 3> free_{}; ///< components without clamps
   bool moving_;
-  double crossing_; ///< crossing time of a wave, s
+  double crossing_; ///< time in which a wave crosses the body, s
   EnergyAccount energy_;
   Impact impact_;
   std::vector<Last> last_; ///< entries for each obstacle, then for all together

@@ -50,7 +50,8 @@ Row largest(MPI_Comm comm, const Row& mine) {
 } // namespace
 
 Plausibility::Plausibility(const step::Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), scene_(scene), strained_(stepper.space().vector()), gaps_(stepper.rows()) {
+    : stepper_(stepper), scene_(scene), largest_energy_state_(stepper.space().vector()),
+      gaps_(stepper.rows()) {
   if (stepper.pairs())
     psi_ = stepper.pairs()->gaps();
 }
@@ -58,18 +59,18 @@ Plausibility::Plausibility(const step::Stepper& stepper, const scene::Scene& sce
 void Plausibility::observe(const trajectory::Frame& frame, const StepBalance* balance) {
   if (balance && balance->elastic_energy > energy_) {
     energy_ = balance->elastic_energy;
-    check(VecCopy(frame.after.y(), strained_));
-    strained_at_ = frame.step.end;
+    check(VecCopy(frame.after.y(), largest_energy_state_));
+    largest_energy_time_ = frame.step.end;
   }
   constexpr double rounding = 1e-9;
-  const int part = static_cast<int>(looks * frame.step.end / stepper_.end() + rounding) + 1;
-  if (part > looked_ || frame.last) {
-    looked_ = part;
-    look(frame.after.y(), frame.step.end);
+  const int part = static_cast<int>(checked_frames * frame.step.end / stepper_.end() + rounding) + 1;
+  if (part > checked_parts_ || frame.last) {
+    checked_parts_ = part;
+    check_displacement(frame.after.y(), frame.step.end);
   }
 }
 
-void Plausibility::look(Vec y, double t) {
+void Plausibility::check_displacement(Vec y, double t) {
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
   const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at, double limit) {
     if (value > limit)
@@ -81,10 +82,10 @@ void Plausibility::look(Vec y, double t) {
   take(rotation_, now.rotation.value, now.rotation.at, small_rotation);
   take(inverted_, static_cast<double>(now.inverted), {}, 0);
   if (stepper_.pairs())
-    look_at_contact(y, t);
+    check_contact(y, t);
 }
 
-void Plausibility::look_at_contact(Vec y, double t) {
+void Plausibility::check_contact(Vec y, double t) {
   const contact::ContactPairs& pairs = *stepper_.pairs();
   pairs.rows().gap(pairs.psi(t, *psi_), y, gaps_);
   const auto dim = static_cast<std::size_t>(pairs.dim());
@@ -142,7 +143,7 @@ std::string Plausibility::where(const Worst& worst) const {
 }
 
 std::string Plausibility::since(const Worst& worst) {
-  return fmt::format("(limit first exceeded by t = {:.6g} s)", worst.passed);
+  return fmt::format("(the limit is first exceeded at or before t = {:.6g} s)", worst.passed);
 }
 
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
@@ -160,21 +161,21 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
     const auto add = [&](const char* name, std::int64_t facets, const char* what) {
       if (facets > 0)
         warnings.push_back({name,
-                            fmt::format("{}.on: {} facet{} of the group \"{}\" {}", key, facets,
-                                        facets == 1 ? "" : "s", group, what),
+                            fmt::format("{}.on: the group \"{}\" has {} facet{} {}", key, group, facets,
+                                        facets == 1 ? "" : "s", what),
                             static_cast<double>(facets), 0});
     };
     add("contact inside the body", fem::inner_facets(space.mesh(), group, key + ".on"),
         "inside the body, out of reach of any obstacle");
     add("contact on a clamp",
         fem::facets_among(space, group, key + ".on", stepper_.pairs()->clamped_dofs(static_cast<int>(i))),
-        "fixed by clamps, which cannot come into contact");
+        "that cannot come into contact, since all nodes there are clamped");
   }
 }
 
 std::vector<Warning> Plausibility::warnings() {
-  if (strained_at_ >= 0)
-    look(strained_, std::exchange(strained_at_, -1));
+  if (largest_energy_time_ >= 0)
+    check_displacement(largest_energy_state_, std::exchange(largest_energy_time_, -1));
   std::vector<Warning> found;
   add_of_mesh(found);
   if (strain_.value > small_strain)
@@ -258,7 +259,7 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
                                    time.end, length, figures.crossing, hint));
   else if (waves_known && !time.automatic() && figures.crossing_steps < 1)
     warnings.push_back(fmt::format("in a step of {:.3g} s a wave crosses the body of {:.3g} m {:.3g} times; "
-                                   "only slower motions are resolved",
+                                   "such steps resolve no waves, only slower motions",
                                    time.step, length, 1 / figures.crossing_steps));
   if (!stepper.pairs() || stepper.pairs()->moving())
     return;
@@ -344,10 +345,11 @@ std::string BodyFigures::line() const {
     return range[0] == range[1] ? fmt::format("{:.3g}", range[0])
                                 : fmt::format("{:.3g} to {:.3g}", range[0], range[1]);
   };
-  return fmt::format(
-      "body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s, across it in {:.2e} s{}",
-      fmt::join(sides, " x "), mass, dim == 2 ? "/m" : "", speeds(pressure_waves), speeds(shear_waves),
-      crossing, crossing_steps > 0 ? fmt::format(", {:.3g} steps", crossing_steps) : "");
+  return fmt::format("body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s; a pressure wave "
+                     "crosses the body in {:.2e} s{}",
+                     fmt::join(sides, " x "), mass, dim == 2 ? "/m" : "", speeds(pressure_waves),
+                     speeds(shear_waves), crossing,
+                     crossing_steps > 0 ? fmt::format(" ({:.3g} steps)", crossing_steps) : "");
 }
 
 } // namespace signorini::diagnostics

@@ -13,12 +13,12 @@ namespace signorini::diagnostics {
 
 /// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
 /// undeformed body, one body. Outside of these the model still gives a result, and no solver detects the
-/// violation. Checks only a few frames: the first one in each of `looks` equal parts of the time, the last
-/// one, and, if energies are given, the one with the largest elastic energy.
+/// violation. Checks only a few frames: the first one in each of `checked_frames` equal parts of the time,
+/// the last one, and, if energies are given, the one with the largest elastic energy.
 class Plausibility {
 public:
   /// Number of equal parts of the time, in each of which one frame is checked.
-  static constexpr int looks = 16;
+  static constexpr int checked_frames = 16;
 
   /// Prepares the checks of a motion. Collective. The references must outlive this object.
   Plausibility(const step::Stepper& stepper, const scene::Scene& scene);
@@ -27,13 +27,13 @@ public:
   /// not computed. Collective.
   void observe(const trajectory::Frame& frame, const StepBalance* balance);
 
-  /// Returns the warnings at the end of a motion: at most one of each kind, but one for each contact table if
-  /// they concern the mesh's contact groups. Collective.
+  /// Returns the warnings at the end of a motion, at most one of each kind. Only the warnings about contact
+  /// groups of the mesh are given for each contact table. Collective.
   [[nodiscard]] std::vector<Warning> warnings();
 
 private:
-  /// Largest value of a checked quantity so far, above its limit or not, with its time and place. `passed`:
-  /// first sampled time at which the limit was exceeded.
+  /// Largest value of a checked quantity so far, even if it is below its limit, with its time (s) and place
+  /// (m). `passed`: first checked time at which the limit was exceeded, s; infinite if it was not.
   struct Worst {
     double value = 0, time = 0;
     std::array<double, 3> at{};
@@ -41,18 +41,18 @@ private:
   };
 
   /// Checks the displacement `y` at time `t` (s).
-  void look(Vec y, double t);
-  void look_at_contact(Vec y, double t);
+  void check_displacement(Vec y, double t);
+  void check_contact(Vec y, double t);
   void add_of_mesh(std::vector<Warning>& warnings) const;
   [[nodiscard]] std::string where(const Worst& worst) const;
   [[nodiscard]] static std::string since(const Worst& worst);
 
   const step::Stepper& stepper_;
   const scene::Scene& scene_;
-  int looked_ = 0;         ///< number of parts of the time in which a frame has been checked
-  petsc::Vector strained_; ///< y at the largest elastic energy so far
+  int checked_parts_ = 0;              ///< number of parts of the time in which a frame has been checked
+  petsc::Vector largest_energy_state_; ///< y at the largest elastic energy so far
   double energy_ = 0;
-  double strained_at_ = -1; ///< time of that displacement, s; < 0: none
+  double largest_energy_time_ = -1; ///< time of largest_energy_state_, s; negative if it need not be checked
   Worst strain_, rotation_, inverted_, slip_, gap_;
   std::vector<double> gaps_; ///< gaps of the constraint rows, m
   std::optional<contact::ContactPairs::Gaps> psi_;

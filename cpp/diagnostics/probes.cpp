@@ -67,7 +67,7 @@ Probes::Probes(const step::Stepper& stepper, const scene::Scene& scene)
   }
 }
 
-void Probes::add(const std::string& probe, const std::string& quantity, const ProbeValue& value) {
+void Probes::add_column(const std::string& probe, const std::string& quantity, const ProbeFunction& value) {
   names_.push_back(probe + "." + quantity);
   values_.push_back(value);
 }
@@ -75,7 +75,7 @@ void Probes::add(const std::string& probe, const std::string& quantity, const Pr
 template <class Make>
 void Probes::add_vector(const std::string& probe, const std::string& quantity, Make&& make) {
   for (std::size_t c = 0; c < dim_; ++c)
-    add(probe, fmt::format("{}_{}", quantity, axes[c]), make(c));
+    add_column(probe, fmt::format("{}_{}", quantity, axes[c]), make(c));
 }
 
 void Probes::find_points(const std::vector<scene::Probe>& probes) {
@@ -94,7 +94,7 @@ void Probes::find_points(const std::vector<scene::Probe>& probes) {
     step::require_inside(stepper_.space(), *sampler_, j, *probes[which[j]].point, key_of(which[j]));
 }
 
-Probes::ProbeValue Probes::linear(std::size_t weights, Vec Sample::* field, double factor, double offset) {
+Probes::ProbeFunction Probes::linear(std::size_t weights, Vec Sample::* field, double factor, double offset) {
   return [=](const Sample& now) { return factor * petsc::dot(now.weights[weights], now.*field) + offset; };
 }
 
@@ -184,7 +184,8 @@ void Probes::add_rotation(const std::string& probe, const std::vector<double>& c
     weights_.push_back(stepper_.space().vector());
     for (std::size_t b = 0; b < count; ++b)
       check(VecAXPY(weights_.back(), inertia[a * count + b], moments[b]));
-    add(probe, count == 1 ? "rotation" : fmt::format("rotation_{}", axes[a]), linear(first + a, &Sample::y));
+    add_column(probe, count == 1 ? "rotation" : fmt::format("rotation_{}", axes[a]),
+               linear(first + a, &Sample::y));
   }
 }
 
@@ -195,7 +196,7 @@ void Probes::add_values(const trajectory::Frame& frame, const ObstacleForces& fo
     now.y_at = (*sampler_)(now.y);
     now.v_at = (*sampler_)(now.v);
   }
-  for (const ProbeValue& value : values_)
+  for (const ProbeFunction& value : values_)
     values.push_back(value(now));
 }
 

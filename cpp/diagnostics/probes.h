@@ -11,8 +11,8 @@ namespace signorini::diagnostics {
 
 /// Computes the quantities that a scene records over time ([[output.probe]]). At a point, or as the mean over
 /// a group: displacement and velocity; for a clamped group also the reaction of its clamps. For an obstacle:
-/// force and impulse. For the body: centre of mass, momentum and mean rotation, which is that of the rigid
-/// motion nearest to y in the norm of the mass.
+/// force and impulse. For the body: centre of mass, momentum and mean rotation, which is the rotation of the
+/// rigid motion nearest to y in the norm of the mass matrix.
 class Probes {
 public:
   /// Prepares all probes of the scene. Collective. The references must outlive this object. Throws UserError
@@ -33,17 +33,17 @@ public:
 private:
   /// Data of a frame from which the probes' values are computed.
   struct Sample {
-    Vec y, v, reactions;            ///< fields; reactions of the clamps, null if not needed
+    Vec y, v, reactions;            ///< displacement, velocity, forces of the clamps (null if not needed)
     std::vector<double> y_at, v_at; ///< y and v at the points (points × dim)
     const std::vector<ObstacleForce>& obstacles;
     const std::vector<petsc::Vector>& weights;
   };
-  using ProbeValue = std::function<double(const Sample& now)>;
+  using ProbeFunction = std::function<double(const Sample& now)>;
 
   /// Returns a function for the value factor · (w · field) + offset, w being the entry `weights` of weights_.
-  [[nodiscard]] static ProbeValue linear(std::size_t weights, Vec Sample::* field, double factor = 1,
-                                         double offset = 0);
-  void add(const std::string& probe, const std::string& quantity, const ProbeValue& value);
+  [[nodiscard]] static ProbeFunction linear(std::size_t weights, Vec Sample::* field, double factor = 1,
+                                            double offset = 0);
+  void add_column(const std::string& probe, const std::string& quantity, const ProbeFunction& value);
   /// Adds a value for each component c; `make(c)` returns the function that computes it.
   template <class Make>
   void add_vector(const std::string& probe, const std::string& quantity, Make&& make);
@@ -60,7 +60,7 @@ private:
   const step::Stepper& stepper_;
   std::size_t dim_;
   std::vector<std::string> names_;
-  std::vector<ProbeValue> values_;
+  std::vector<ProbeFunction> values_;
   std::vector<petsc::Vector> weights_;
   std::optional<fem::Sampler> sampler_;
   bool reactions_ = false;

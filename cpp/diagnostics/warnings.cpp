@@ -210,7 +210,7 @@ Alternations alternations(const std::vector<contact::ContactLinearisation>& cont
 std::string calmer_contact(const step::Stepper& stepper) {
   if (stepper.predictor())
     return "try shorter time steps or more viscosity";
-  return scene::takes_mass(stepper.contact_scheme())
+  return scene::has_massless_candidates(stepper.contact_scheme())
              ? "try time.scheme = \"contact-stabilized\" (with contact.mass = \"consistent\")"
              : "try time.scheme = \"contact-stabilized\"";
 }
@@ -229,14 +229,15 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   const auto moves = [](const scene::Contact& one) { return scene::moves(one.obstacle); };
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
-  return {{"energy lost in contact",
-           fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} {}, though the "
-                       "obstacles are at rest. This error falls with the step ({}) down to {:.1e} s, in "
-                       "which a wave crosses an element in contact. Below that, only a smaller mesh.size "
-                       "reduces the error; with contact.mass = \"massless\" shorter steps still do",
-                       part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
-                       scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
-           part, small_loss}};
+  return {
+      {"energy lost in contact",
+       fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} {}, though the "
+                   "obstacles are at rest. Shorter steps ({}) reduce this error until a step takes {:.1e} s, "
+                   "the time in which a wave crosses an element in contact. Below that length only smaller "
+                   "elements reduce the error; with contact.mass = \"massless\" shorter steps do too",
+                   part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
+                   scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
+       part, small_loss}};
 }
 
 namespace {
@@ -304,9 +305,9 @@ std::vector<Warning> Passage::warnings() const {
   for (std::size_t o = 0; o < worst_.size(); ++o)
     if (const Worst& worst = worst_[o]; worst.share > most)
       found.push_back({"passage within a step",
-                       fmt::format("{}: in the step to t = {:.6g} s, obstacle and body approach by {:.3g} m, "
-                                   "{:.3g} times the depth of the thinner one, {:.3g} m. One may pass "
-                                   "through the other within the step; set time.step below {:.2g} s",
+                       fmt::format("{}: in the step to t = {:.6g} s, obstacle and body approach by {:.3g} m. "
+                                   "This is {:.3g} times the depth of the thinner one ({:.3g} m). One may "
+                                   "pass through the other within the step; set time.step below {:.2g} s",
                                    stepper_.pairs()->key(static_cast<int>(o)), worst.step.end, worst.path,
                                    worst.share, worst.depth, worst.step.tau * most / worst.share),
                        worst.share, most});
@@ -385,8 +386,8 @@ std::vector<Warning> LargestStress::warnings() {
                         place(*stress.corner), stress.angle);
   else if (stress.corner)
     text +=
-        fmt::format("; use smaller elements at {} to see whether the stress converges. It does not where a "
-                    "clamp, a load or contact ends",
+        fmt::format("; use smaller elements at {} to see whether the stress converges. Where a clamp, a load "
+                    "or contact ends, the stress does not converge",
                     place(*stress.corner));
   else
     text += "; use smaller elements there to see whether the stress converges";

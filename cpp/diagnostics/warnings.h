@@ -25,8 +25,8 @@ public:
   /// collective.
   void observe(const trajectory::Frame& frame, const ObstacleForces& forces);
 
-  /// Returns a warning for each obstacle that was never touched by more than two nodes at once. Not
-  /// collective.
+  /// Returns a warning for each obstacle that one or two nodes touched, but never more at once, unless these
+  /// are a whole face (whole_face()). Not collective.
   [[nodiscard]] std::vector<Warning> warnings() const;
 
 private:
@@ -35,11 +35,11 @@ private:
     double last = 0;    ///< normal force of the last step, N, in the plane N/m
     double force = 0;   ///< largest mean of the normal force over two steps in a row, N or N/m
     double time = 0;    ///< time of that mean, s
-    int candidate = -1; ///< candidate with the largest force at that time
+    int candidate = -1; ///< candidate with the largest force at that time; −1: no force so far
   };
   [[nodiscard]] Warning warning(int obstacle, const Zone& zone) const;
-  /// Returns whether a flat face with only two nodes touches with both, as the face of a bar that is one
-  /// element wide.
+  /// Returns whether all candidates of the obstacle, at least two and with equal initial gaps, touch at once.
+  /// An example is the end face of a bar that is one element wide.
   [[nodiscard]] bool whole_face(int obstacle, const Zone& zone) const;
 
   const step::Stepper& stepper_;
@@ -50,8 +50,8 @@ private:
 /// Spacing of candidates around one candidate, and the spacing that would put five or more into the contact
 /// zone.
 struct CandidateSpacing {
-  double found = 0, ///< mean distance of the nearest candidates of the same obstacle, m
-      enough = 0; ///< spacing for five or more, m; 0 at an edge or a corner of the body, where none suffices
+  double found = 0, ///< mean distance to the nearest candidates of the same obstacle, m
+      enough = 0;   ///< spacing for five or more, m; 0 if no spacing suffices, as at an edge of the body
 };
 
 /// Returns the present and the sufficient spacing for a contact zone of `most` candidates around `candidate`.
@@ -63,8 +63,8 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
 /// Counts of candidates in contact, and of candidates that open and close from step to step.
 struct Alternations {
   int closed = 0;      ///< number of candidates in contact, summed over the steps
-  int alternating = 0; ///< number of candidates, summed over the steps, whose contact differs from that
-                       ///< before and after the step
+  int alternating = 0; ///< number of candidates, summed over the steps, that are open in a step but
+                       ///< closed in the steps before and after it, or the reverse
 };
 
 /// Returns the counts over the steps 1, 2, … of a motion. Entry 0 of `contact` is the initial state, whose
@@ -76,15 +76,15 @@ std::string calmer_contact(const step::Stepper& stepper);
 
 /// Returns a warning if contact took more than 3 % of the largest energy of a motion although its obstacles
 /// are at rest. `contact_work`: work of contact, `largest_energy`: largest energy, J (in the plane J/m). Such
-/// a loss is an error of the steps: a step stops at once all mass at the obstacle that a wave reaches within
-/// the step, at least that of the nodes in contact. The warning names the step below which this error no
-/// longer falls with the step. Empty if an obstacle moves. Not collective.
+/// a loss is a discretisation error: in one step, contact stops all mass that a wave from the obstacle
+/// reaches in this step, and at least the mass of the nodes in contact. The warning names the step length
+/// below which shorter steps no longer reduce this error. Empty if an obstacle moves. Not collective.
 std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Scene& scene,
                                   double contact_work, double largest_energy);
 
 /// Checks whether the body and an obstacle could pass through each other within a step, since gaps are
-/// evaluated only at the ends of steps. The limit is an approach within one step, near enough to touch, by
-/// more than half the depth of the thinner one.
+/// evaluated only at the ends of steps. This is assumed possible if they approach each other in one step by
+/// more than their gap, and by more than half the depth of the thinner one.
 class Passage {
 public:
   /// Prepares the check for each obstacle of `stepper`, which must outlive this object.
@@ -92,12 +92,12 @@ public:
 
   /// Takes the next frame; frames are passed in order, from frame 0 on. Collective.
   void observe(const trajectory::Frame& frame);
-  /// Returns a warning for each obstacle that could be passed, for its worst step.
+  /// Returns, for each obstacle that fails the check, a warning about its worst step.
   [[nodiscard]] std::vector<Warning> warnings() const;
 
 private:
   struct Worst {
-    double share = 0, path = 0, depth = 0; ///< approach over depth; approach, m; depth, m
+    double share = 0, path = 0, depth = 0; ///< ratio of approach to depth; approach, m; depth, m
     step::TimeStep step;
   };
   const step::Stepper& stepper_;
@@ -107,7 +107,7 @@ private:
 };
 
 /// Warnings about effects that the steps of a motion, or the mesh, may have missed (docs/method.md section
-/// 11). If there are none, and a second run with shorter steps agrees, the accuracy is reached.
+/// 11). An accuracy counts as met only without such warnings, and if a second run with shorter steps agrees.
 class StepWarnings {
 public:
   /// `load`: the scene's loads, null without any. `errors`: step errors of a motion whose steps are chosen
@@ -123,16 +123,16 @@ public:
 private:
   const step::SceneLoad* load_;
   Passage passage_;
-  std::optional<trajectory::StepErrors> own_; ///< errors of automatic steps that were chosen before
-  const trajectory::StepErrors* errors_;      ///< errors to warn of; null for equal steps
+  std::optional<trajectory::StepErrors> own_; ///< errors of steps that an earlier motion chose
+  const trajectory::StepErrors* errors_;      ///< errors to warn of, given or *own_; null for equal steps
 };
 
 /// Name of the warning that the largest stress depends on the mesh.
 constexpr const char* stress_of_the_mesh = "stress of the mesh";
 
-/// Finds the largest von Mises stress of a motion, and checks whether the mesh resolves it. A stress at a
-/// sharp corner grows without bound as the mesh is refined, and the stresses of neighbouring cells differ
-/// much from it.
+/// Finds the largest von Mises stress of a motion, and checks whether the mesh resolves it. The mesh does not
+/// if the stresses of neighbouring cells are much smaller. An example is a sharp corner, where the stress
+/// grows without bound as the mesh is refined.
 class LargestStress {
 public:
   /// Largest stress and its time.

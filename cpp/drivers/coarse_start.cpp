@@ -56,8 +56,8 @@ void require_fewer_cells(const problem::Problem& coarse, const problem::Problem&
 }
 
 std::string words(const io::CoarseLevel& level) {
-  return fmt::format("coarse mesh of size {:.4g} m, {} free unknowns, {} steps of {:.4g} s: {} iterations, "
-                     "{} + {} sweeps in {:.1f} s, J = {:.6e}: {}",
+  return fmt::format("coarse mesh of size {:.4g} m, {} free unknowns, {} steps of {:.4g} s. {} iterations, "
+                     "{} forward + {} adjoint sweeps in {:.1f} s, J = {:.6e}: {}",
                      level.size, level.free_unknowns, level.steps, level.step, level.iterations,
                      level.forward_sweeps, level.adjoint_sweeps, level.seconds, level.objective,
                      level.stop_reason);
@@ -98,7 +98,7 @@ SearchStart<Method> search_start(const problem::Problem& problem, problem::Contr
         loose.max_iterations = most_iterations; // whatever the scene's, which may change on --resume
         loose.tolerance = std::max(loose.tolerance, coarse_tolerance);
         loose.through_kinks = false;
-        level->search(last ? last->on(level->control_problem(), loose)
+        level->search(last ? last->start_for(level->control_problem(), loose)
                            : SearchStart<Method>{level->first_guess()},
                       loose, [](const optimize::Iteration&) {});
         io::CoarseLevel record = level->record();
@@ -113,7 +113,7 @@ SearchStart<Method> search_start(const problem::Problem& problem, problem::Contr
       }
     }
     if (last)
-      return last->on(control_problem, options);
+      return last->start_for(control_problem, options);
   }
   return {control_problem.first_guess(scene)};
 }

@@ -29,7 +29,7 @@ std::string pair_of_logs(const std::string& a, const std::string& b, double slop
 }
 
 /// Simulated value of a quantity that is only compared, as text.
-std::string simulated(const io::ComparedFigure& one) {
+std::string simulated(const io::ComparedQuantity& one) {
   if (std::isnan(one.simulated))
     return "no contact";
   const std::string deviations = one.deviation > 0 ? fmt::format(", off by {:+.2f} standard deviations",
@@ -59,8 +59,8 @@ void add_poorly_identified(const problem::ParameterProblem& problem, const optim
     if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
       fit.unidentified.push_back(
           fmt::format("{} fell to the lower end of its logarithmic scale, {:.2g} times its first guess: the "
-                      "data show only that it is small. With scale = \"linear\" the fit can reach its lower "
-                      "limit.",
+                      "data show only that it is small. With scale = \"linear\" the unknown can reach its "
+                      "natural lower limit.",
                       unknown.name, fit.unknowns[j].value / unknown.start));
     else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
       fit.unidentified.push_back(fmt::format("{} rose to the upper end of its logarithmic scale, {:.2g} "
@@ -119,7 +119,7 @@ io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussN
   for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
     const scene::Unknown& unknown = scene.unknowns[j];
     fit.unknowns.push_back({.name = unknown.name,
-                            .of = scene::name(unknown.of),
+                            .quantity = scene::name(unknown.of),
                             .unit = scene::unit(unknown),
                             .scale = scene::name(unknown.scale),
                             .value = theta[j],
@@ -186,7 +186,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
     lines.push_back(largest_correlation(fit));
   for (const std::string& sentence : fit.unidentified)
     lines.push_back(sentence);
-  for (const io::ComparedFigure& one : fit.compared)
+  for (const io::ComparedQuantity& one : fit.compared)
     lines.push_back(
         fmt::format("{}: measured {:.6g} {}, simulated {}", one.name, one.value, one.unit, simulated(one)));
   lines.push_back(fmt::format("misfit of {} values: {:.3g} standard deviations (root mean square)", fit.data,
@@ -197,11 +197,11 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
 namespace {
 
 /// Contact quantities that are measured but not fitted, for the motion that `watch` has observed.
-std::vector<io::ComparedFigure> compared(const problem::Problem& problem,
-                                         const diagnostics::ContactFigures& watch) {
+std::vector<io::ComparedQuantity> compared(const problem::Problem& problem,
+                                           const diagnostics::ContactFigures& watch) {
   const scene::Scene& scene = problem.scene;
   const std::map<std::string, double> numbers = watch.numbers(scene.time.end);
-  std::vector<io::ComparedFigure> all;
+  std::vector<io::ComparedQuantity> all;
   for (const scene::Measurement& one : scene.measurements) {
     if (one.fitted())
       continue;

@@ -26,8 +26,8 @@ std::vector<std::string> outcome_lines(const io::Fit& fit);
 
 /// Simulated counterparts of measurements.
 struct Simulated {
-  std::vector<double> values;               ///< values of the fitted measurements, in the order of the data
-  std::vector<io::ComparedFigure> compared; ///< quantities that are compared, but not fitted
+  std::vector<double> values;                 ///< values of the fitted measurements, in the order of the data
+  std::vector<io::ComparedQuantity> compared; ///< quantities that are compared, but not fitted
 };
 
 /// Simulates the motion under `load` once more, writes its files through `recorder` and returns the simulated

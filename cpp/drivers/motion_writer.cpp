@@ -111,7 +111,7 @@ void MotionWriter::operator()(const trajectory::Frame& frame) {
   const bool regular =
       drivers::stored(frame.step, problem_.stepper.end(), problem_.scene.output.every, frame.last);
   if (regular)
-    store({frame.step, frame.after, frame.contact});
+    write_step({frame.step, frame.after, frame.contact});
   if (largest_force_.observe(forces_.all().normal_force)) {
     if (regular)
       aside_.reset();
@@ -165,7 +165,7 @@ const std::string& MotionWriter::contact_rows(const step::TimeStep& step,
   return text_;
 }
 
-void MotionWriter::store(const Snapshot& now) {
+void MotionWriter::write_step(const Snapshot& now) {
   if (contact_)
     contact_->append(contact_rows(now.step, now.contact));
   if (state_)

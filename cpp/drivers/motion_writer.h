@@ -81,11 +81,11 @@ private:
     std::streamoff rows; ///< position of the step's rows in contact.csv
   };
   void put_aside(const trajectory::Frame& frame);
-  void store(const Snapshot& now);
+  void write_step(const Snapshot& now);
   void store_fields(const Snapshot& now, std::size_t number);
   /// Whether surfaces.h5 is written.
   [[nodiscard]] bool with_surfaces() const { return problem_.stepper.pairs() && (state_ || contact_); }
-  /// Extends the box around the body by the nodes at displacement y.
+  /// Extends body_ so that it contains this rank's nodes at the displacement y (m).
   void follow_body(Vec y);
   void write_obstacle_surfaces() const;
   void insert(const Aside& peak);

@@ -20,8 +20,8 @@ constexpr const char* checkpoint = "checkpoint.h5"; ///< file name of checkpoint
 /// the resolved scene (echo()). Collective.
 void store_problem(io::CheckpointWriter& out, const std::string& scene, const mesh::Mesh& mesh);
 
-/// Throws UserError if the layout version or the mesh of a checkpoint differs, or if its scene differs from
-/// `scene` in keys that define the problem or the search. Collective.
+/// Throws UserError if a checkpoint has another layout version than this program writes, another mesh than
+/// `mesh`, or a scene that differs from `scene` in keys that define the problem or the search. Collective.
 void require_same_problem(io::CheckpointReader& in, const std::string& scene, const mesh::Mesh& mesh);
 
 /// Throws UserError if J at the restored point, `found`, differs from `stored` by more than a change of the

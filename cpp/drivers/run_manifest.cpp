@@ -89,7 +89,7 @@ io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
   m.steps_asked = grid.steps();
   m.wave_time = problem.stepper.wave_time();
   if (!grid.equal()) {
-    io::Lengths& lengths = m.lengths.emplace();
+    io::StepStatistics& lengths = m.lengths.emplace();
     lengths.shortest = grid.end();
     for (int k = 1; k <= grid.steps(); ++k) {
       lengths.shortest = std::min(lengths.shortest, grid.length(k));

@@ -38,8 +38,8 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
 /// Adds a warning, unless absent, to run.json and prints it.
 void add_warning(io::Manifest& manifest, std::optional<Warning> warning, const Console& console);
 
-/// Moves the files of a run into its output folder (OutputFolder::publish()) and prints the removed pages and
-/// figures. Throws UserError. Collective.
+/// Moves the files of a run into its output folder (OutputFolder::publish()), and prints which pages and
+/// figures of an earlier run this removed. Throws UserError. Collective.
 void finish(io::OutputFolder& folder, const Console& console);
 
 } // namespace signorini::drivers

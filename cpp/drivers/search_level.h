@@ -16,9 +16,9 @@ public:
   using State = optimize::State<Unknowns, Method<Unknowns>>;
   using Inheritance = typename SearchStart<Method>::Inheritance;
 
-  /// Sets up the problem. If step lengths vary, they are chosen by a preliminary motion: under the control
-  /// found by `last`, unless null, else under the scene's control. Throws UserError, SolverFailure,
-  /// Interrupted.
+  /// Sets up the problem. If step lengths vary, a preliminary motion chooses them. Its control is the one
+  /// found by `last`. If `last` is null or has no result, it is the control that the scene gives, else the
+  /// reference control. Throws UserError, SolverFailure, Interrupted.
   SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
               step::Stepper::Needs needs = {.derivatives = true})
       : scene_(std::move(scene)),
@@ -46,8 +46,8 @@ public:
 
   /// Start of a search for the problem `finer`: the result and method state of this search, interpolated to
   /// that problem's mesh and steps. Call after search().
-  [[nodiscard]] SearchStart<Method> on(problem::ControlProblem& finer,
-                                       const optimize::Options& options) const {
+  [[nodiscard]] SearchStart<Method> start_for(problem::ControlProblem& finer,
+                                              const optimize::Options& options) const {
     const control::Interpolation interpolate(control_problem_.controls, finer.controls);
     Unknowns unknowns(finer.reduced);
     unknowns.measure_in(last_->units);

@@ -19,7 +19,7 @@ io::Kink describe(control::ReducedProblem& reduced,
       for (int i : contact[k].active)
         ++closed[{static_cast<int>(k), i}];
   }
-  reduced.count_from(sweeps);
+  reduced.restore_sweeps(sweeps);
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()), {}};
   for (const auto& [where, times] : closed)
     if (times < certificate.points.size()) {
@@ -207,7 +207,7 @@ void SearchLog::restored(double stored, double found) {
   const double least = subject_.control ? 0 : static_cast<double>(subject_.parameters->misfit.count());
   resume::require_same_value(file_, stored, found, std::max(std::abs(stored), least));
   evaluated_ = true;
-  subject_.reduced.count_from(marked_); // later sweeps are repeated
+  subject_.reduced.restore_sweeps(marked_); // later sweeps are repeated
   stored_at_ = static_cast<int>(history_.last("iteration"));
   start_ = Clock::now();
   if (progress_)

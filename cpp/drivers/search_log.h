@@ -31,7 +31,7 @@ struct SearchSubject {
   const problem::SpaceDiscretisation& discretisation;
   control::ReducedProblem& reduced;
   Timers& timers;
-  const problem::Problem* problem = nullptr;             ///< set if a control is sought; defines its steps
+  const problem::Problem* problem = nullptr;             ///< set if a control is sought; has the time grid
   const problem::ControlProblem* control = nullptr;      ///< set if a control is sought
   const problem::ParameterProblem* parameters = nullptr; ///< set if parameters are sought
 
@@ -46,12 +46,12 @@ struct SearchSubject {
 /// collective.
 class SearchLog {
 public:
-  /// Name of the checkpoint's entry for the linear solver of the steps; value of this entry for conjugate
-  /// gradients.
+  /// `solver`: name of the checkpoint's entry for the linear solver of the steps. `iterative`: value of this
+  /// entry for conjugate gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
   static constexpr const char* levels = "levels"; ///< name of the checkpoint's entry for varying step lengths
 
-  /// When history.csv appears in the output folder: early: while the search runs; with_results: at the end.
+  /// Time at which history.csv appears in the output folder: during the search, or with its results.
   enum class Files { early, with_results };
 
   /// Prepares the output. `resume`: whether to continue from the folder's checkpoint, if it has one. The
@@ -97,8 +97,8 @@ public:
   void certified(const optimize::Certificate<control::Variables>& certificate) {
     kink_ = describe(subject_.reduced, certificate);
   }
-  /// The kink at which the search, or the search before it was resumed, ended; absent if there was none.
-  [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
+  /// Kink at which the search ended, now or before it was resumed; absent if it did not end at a kink.
+  [[nodiscard]] const std::optional<io::Kink>& final_kink() const { return kink_; }
 
   /// Writes a checkpoint. If that fails, prints a message; the previous checkpoint stays.
   template <class State>

@@ -78,15 +78,16 @@ std::string words(optimize::Stop stop, const SearchEnd& end) {
 /// Prints a description of the kink at which a search ended.
 void show(const io::Kink& kink, double first_norm, const Console& console) {
   std::string text = fmt::format(
-      "no direction lowers J: {} gradients within {:.1e} of the control have a convex combination of norm "
-      "{:.2e}, {:.1e} of the first gradient's; ",
+      "no direction lowers J. {} gradients within {:.1e} of the control in L2 have a convex combination of "
+      "norm {:.2e}, {:.1e} times the first gradient norm. ",
       kink.gradients, kink.radius, kink.length, kink.length / first_norm);
   text +=
       kink.weak.empty()
-          ? std::string(
-                "the same candidates are closed at all these points: J has kinks nearer to the control, as "
-                "where contact chatters")
-          : fmt::format("contact is weak at {} candidates and steps:", kink.weak.size());
+          ? std::string("All these points have the same active sets; kinks of J lie nearer to the control, "
+                        "as they do where contact chatters")
+          : fmt::format(
+                "Active sets differ between these points at {} candidates and steps, where contact is weak:",
+                kink.weak.size());
   console.line(text);
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
@@ -105,8 +106,9 @@ void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced,
     return;
   manifest.warnings.push_back(
       {"search among chattering contact",
-       fmt::format("the search found no further decrease where contact chatters. Candidates open or close "
-                   "for a single step {} times; {} are closed, summed over all steps; {}",
+       fmt::format("the search found no further decrease of J, since contact chatters. Candidates open or "
+                   "close for a single step {} times. The number of closed candidates, summed over all "
+                   "steps, is {}; {}",
                    found.alternating, found.closed, other),
        static_cast<double>(found.alternating), 0});
   console.line("warning: " + manifest.warnings.back().message);
@@ -146,7 +148,7 @@ io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchE
   const std::vector<double> by_x = reduced.gradient_by_parameters(), slopes = parameters.misfit.slopes(x);
   for (std::size_t j = 0; j < x.size(); ++j)
     fit.unknowns[j].gradient = by_x[j] / slopes[j];
-  reduced.count_from(sweeps);
+  reduced.restore_sweeps(sweeps);
   return fit;
 }
 
@@ -199,7 +201,7 @@ void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& 
   m.accuracy = std::move(end.accuracy);
   m.coarse_levels = std::move(end.levels);
   if (end.stop == optimize::Stop::kink) {
-    m.kink = log.kink().value();
+    m.kink = log.final_kink().value();
     show(*m.kink, end.first_norm, console);
   }
 }
@@ -232,7 +234,7 @@ void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, cons
   if (subject.parameters)
     add_table_warnings(m, subject.parameters->misfit.warnings());
   add_watched(m, recorder, subject.scene.run, console);
-  add_warning(m, problem::desired_warning(problem), console);
+  add_warning(m, problem::desired_run_spacing_warning(problem), console);
   if (fit)
     add_warning(m, misfit_warning(*fit), console);
   add_search(m, subject, log, end, console);

@@ -68,7 +68,7 @@ public:
     add_watched(m, *recorder_, problem_.scene.run, console);
     if (objective_ && complete()) {
       m.objective = objective_->value();
-      add_warning(m, problem::desired_warning(problem_), console);
+      add_warning(m, problem::desired_run_spacing_warning(problem_), console);
     }
     return m;
   }
@@ -120,7 +120,8 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   Simulation simulation(problem, folder, options.measure);
   simulation.run(console);
   const bool complete = simulation.complete();
-  if (simulation.steps() == 0 || (options.whole && !complete)) // no result that could replace an earlier one
+  if (simulation.steps() == 0 ||
+      (options.complete_only && !complete)) // no result that could replace an earlier one
     throw Interrupted();
   simulation.recorder().finish();
   folder.write("scene.toml", scene::echo(written, problem.space.dim()));

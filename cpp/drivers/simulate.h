@@ -15,7 +15,7 @@ struct SimulateOptions {
   int seed = 1;                           ///< seed of the noise in these files; 0: no noise
   std::optional<io::Accuracy> accuracy{}; ///< errors to be written with the results
   bool keep_mesh = false;                 ///< whether to store the mesh in the folder
-  bool whole = false; ///< whether to discard an interrupted motion, which would replace a complete one
+  bool complete_only = false; ///< whether to discard an interrupted motion, so that an earlier result stays
 };
 
 /// Runs the verb simulate: computes the scene's motion and writes the results into the folder `out`. Returns

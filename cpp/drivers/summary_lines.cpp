@@ -25,7 +25,9 @@ std::string components(std::array<double, 3> x, int dim) {
 /// the sum; else empty.
 std::string by_modulus(double resultant, double normal) {
   constexpr double alike = 1e-3;
-  return normal - resultant > alike * normal ? fmt::format(" ({:.4g} as sum of moduli)", normal) : "";
+  return normal - resultant > alike * normal
+             ? fmt::format(" ({:.4g} if magnitudes at nodes are added)", normal)
+             : "";
 }
 
 std::string nearest(const diagnostics::Touch& touch) {
@@ -40,9 +42,8 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
                                  : "";
   const std::array<double, 3>& J = touch.impulse;
   return fmt::format(
-      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two steps {:.4g}{} {} at {:.6g} s{}\n"
-      "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {}, the largest mean over {:.3g} "
-      "s",
+      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two-step means {:.4g}{} {} at {:.6g} s{}\n"
+      "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {} (largest mean over {:.3g} s)",
       name, touch.start, touch.end, closed, components(J, dim),
       by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim), touch.peak,
       by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim), touch.peak_time,
@@ -91,7 +92,7 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
     return;
   }
   lines.emplace_back("contact (impulse, its time from 1 to 99 % and, if the force is smooth, the sustained "
-                     "peak converge; touch times and two-step peaks need not):");
+                     "peak converge; touch times and peaks of two-step means need not):");
   for (const diagnostics::Touch& one : impact.obstacles)
     lines.push_back(touch_line(one.name, one, dim));
   if (std::ranges::count_if(impact.obstacles, &diagnostics::Touch::occurred) > 1)
@@ -163,7 +164,7 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
                                                                          "force"),
                               scene.output.every);
   constexpr double noticeable = 1; // s
-  if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
+  if (seconds("output") > std::max({noticeable, 2 * seconds("forward"), seconds("balances")}))
     text += "; output took longest: store less by output.every, output.fields or output.tables";
   return text;
 }

@@ -70,9 +70,10 @@ void write_files(const std::map<fs::path, std::string>& files) {
     for (const auto& [file, text] : files) {
       std::error_code error;
       fs::create_directories(file.parent_path(), error);
-      std::string note = fmt::format("# Digests of {} as written by {}, and as it was before.\n# --replace "
-                                     "overwrites the file while its digest is one of these.\n{}\n",
-                                     file.filename().string(), author, Digest().add(text).text());
+      std::string note =
+          fmt::format("# Digests of {}: as written by {}, and of the file that it replaced.\n# --replace "
+                      "overwrites the file while its digest is one of these.\n{}\n",
+                      file.filename().string(), author, Digest().add(text).text());
       if (fs::exists(file))
         note += digest_of(file) + '\n';
       moves.emplace_back(staged(note_of(file), note), note_of(file));

@@ -15,13 +15,13 @@ struct ConnectedParts {
 /// Finds the connected parts of the mesh. Collective.
 ConnectedParts connected_parts(const Space& space);
 
-/// Counts the facets of a group on all ranks that have a cell on either side. Collective. Throws UserError
-/// naming `key`, as mesh::Mesh::facets does.
+/// Counts, on all ranks, the facets of a group that are inside the body, with a cell on each side.
+/// Collective. Throws UserError naming `key`, as mesh::Mesh::facets does.
 std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key);
 
-/// Counts the facets of a group on all ranks whose nodes are all in a given set. `first_dofs`: first global
-/// dof of each node of the set, on whichever rank it is, ascending. Collective. Throws UserError naming
-/// `key`, as mesh::Mesh::facets does.
+/// Counts, on all ranks, the facets of a group whose nodes all belong to a given set. `first_dofs`: first
+/// global dof of each node of the set, ascending, including nodes that other ranks own. Collective. Throws
+/// UserError naming `key`, as mesh::Mesh::facets does.
 std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
                           const std::vector<PetscInt>& first_dofs);
 

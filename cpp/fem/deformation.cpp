@@ -176,7 +176,7 @@ double mean_diameter(const Space& space) {
       for (int j = 0; j < i; ++j)
         diameter = std::max(diameter, std::hypot(vertex(i)[0] - vertex(j)[0], vertex(i)[1] - vertex(j)[1],
                                                  vertex(i)[2] - vertex(j)[2]));
-    const double volume = Simplex(dim, vertex).volume();
+    const double volume = Simplex(dim, vertex).abs_determinant();
     sums[0] += volume * diameter;
     sums[1] += volume;
   }

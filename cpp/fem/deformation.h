@@ -16,7 +16,7 @@ inline constexpr double tie = 1e-6;
 /// the least coordinates is taken, x before y before z, so that the partition of the mesh does not matter.
 struct Largest {
   double value = 0;
-  std::array<double, 3> at{}; ///< point of the undeformed body, m; for degree 1 the midpoint of a cell
+  std::array<double, 3> at{}; ///< undeformed point, m: the cell's midpoint for cellwise values, else a vertex
 };
 
 /// Measures of how far a displacement is from the assumption of small strain.

@@ -144,7 +144,7 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   if (code.form_integral_offsets[types] != 1 || at != 0 ||
       code.form_integral_offsets[static_cast<int>(type) + 1] != 1 || code.form_integral_ids[at] != 1)
     throw std::runtime_error(
-        "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
+        "forms/viscoelasticity.py: a form must use the measure dx(1) alone, a form on a surface ds(1) alone");
   return dolfinx::fem::create_form<PetscScalar, double>(
       code, {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants(material, tau),
       {{type, {{1, entities}}}}, {});

@@ -58,9 +58,9 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
                            const char* type);
 
-/// Assembles the L2 product on V over a group of cells or facets (AIJ). Only rows of nodes of cells that
-/// belong to the group, or that have a facet in it, have nonzero entries. Collective. Throws UserError,
-/// naming the scene's `key`, as mesh::Mesh::group_dimension does.
+/// Assembles the L2 product on V over a group of cells or facets (AIJ). Entries are nonzero only for nodes
+/// of the group's cells or, for a group of facets, of the cells with a facet in the group. Collective. Throws
+/// UserError, naming the scene's `key`, as mesh::Mesh::group_dimension does.
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key);
 
 /// Assembles ∫ u·φ for cellwise constant u (columns) and φ in V (rows) over a group of cells or facets, or

@@ -45,7 +45,7 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
   }
   for (const auto& [dof, held] : motion)
     dofs_.push_back(dof);
-  if (const Layout& layout = space.layout(); layout.here())
+  if (const Layout& layout = space.layout(); layout.owns_virtual_nodes())
     for (std::size_t node = 0; node < layout.virtual_nodes().size(); ++node)
       for (int c = 0; c < dim_; ++c)
         if (layout.virtual_nodes()[node].clamped[static_cast<std::size_t>(c)])

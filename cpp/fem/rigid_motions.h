@@ -15,11 +15,11 @@ public:
 
   [[nodiscard]] std::size_t count() const { return basis_.size(); }
   [[nodiscard]] const std::vector<petsc::Vector>& basis() const { return basis_; }
-  /// Coefficients (count) of the rigid part of x: the rigid motion nearest to x in the norm of the mass
-  /// matrix. Collective.
+  /// Returns the count() coefficients of the rigid part of x, which is the rigid motion nearest to x in the
+  /// norm of the mass matrix. Collective.
   [[nodiscard]] std::vector<double> coefficients(Vec x) const { return products(weighed_, x); }
-  /// Values of a functional on the basis (count); for a force these are the coefficients of the rigid
-  /// acceleration. Collective.
+  /// Returns the count() values of a functional on the basis. For a force, these are the coefficients of the
+  /// rigid acceleration. Collective.
   [[nodiscard]] std::vector<double> products(Vec functional) const { return products(basis_, functional); }
   /// x −= Σ coefficients_i basis_i.
   void subtract(const std::vector<double>& coefficients, Vec x) const;

@@ -124,7 +124,7 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
     const Simplex here = simplex(cells, c);
     for (std::size_t q = 0; q < w.size(); ++q) {
       const Simplex::Point point = here.point(&x[q * static_cast<std::size_t>(dim)]);
-      rows.push_back({point[0], point[1], point[2], w[q] * here.volume()});
+      rows.push_back({point[0], point[1], point[2], w[q] * here.abs_determinant()});
     }
   }
   rows = gather(mesh.comm(), rows);

@@ -29,7 +29,8 @@ public:
           const std::optional<std::string>& on = std::nullopt, const std::string& key = {},
           bool cellwise = false);
 
-  /// Distance of each point from the mesh or, if given, the group `on` (n), m; zero inside.
+  /// Distances (n) of the points from the mesh or, if `on` was given, from this group, m. The distance of a
+  /// point inside is zero.
   [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
 
   /// Functional that maps a function of V to its component number `component` at the point number `point`.

@@ -18,7 +18,7 @@ using petsc::check;
 
 Layout::Layout(MPI_Comm comm, int dim, int mesh_nodes, std::vector<VirtualNode> virtual_nodes)
     : comm_(comm), dim_(dim), mesh_nodes_(mesh_nodes), virtual_(std::move(virtual_nodes)),
-      here_(rank(comm) + 1 == ranks(comm)) {
+      owns_virtual_nodes_(rank(comm) + 1 == ranks(comm)) {
   const PetscInt own = static_cast<PetscInt>(nodes()) * dim;
   PetscInt end = 0;
   MPI_Scan(&own, &end, 1, MPIU_INT, MPI_SUM, comm);

@@ -38,7 +38,9 @@ public:
   /// Number of the mesh's nodes that this rank owns.
   [[nodiscard]] int mesh_nodes() const { return mesh_nodes_; }
   /// Number of nodes that this rank owns, virtual nodes included.
-  [[nodiscard]] int nodes() const { return mesh_nodes_ + (here_ ? static_cast<int>(virtual_.size()) : 0); }
+  [[nodiscard]] int nodes() const {
+    return mesh_nodes_ + (owns_virtual_nodes_ ? static_cast<int>(virtual_.size()) : 0);
+  }
   /// Global number of this rank's first dof.
   [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
   /// Number of dofs on all ranks.
@@ -46,7 +48,7 @@ public:
 
   [[nodiscard]] const std::vector<VirtualNode>& virtual_nodes() const { return virtual_; }
   /// Whether this rank owns the virtual nodes.
-  [[nodiscard]] bool here() const { return here_; }
+  [[nodiscard]] bool owns_virtual_nodes() const { return owns_virtual_nodes_; }
 
   /// Creates a zero vector. Collective.
   [[nodiscard]] petsc::Vector vector() const;
@@ -60,7 +62,7 @@ private:
   MPI_Comm comm_;
   int dim_, mesh_nodes_;
   std::vector<VirtualNode> virtual_;
-  bool here_;
+  bool owns_virtual_nodes_;
   PetscInt first_dof_ = 0, dofs_ = 0;
 };
 
@@ -119,9 +121,9 @@ using Shape = std::vector<std::size_t>;
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape);
 
-/// Matrix that embeds functions of degree 1 (columns) into those of degree 2 (rows) on the same mesh: its
-/// entries are 1 at vertices, and ½ from both ends of an edge at the edge's midpoint. One component is stored
-/// for all (MAIJ). Collective.
+/// Matrix that embeds functions of degree 1 (columns) into those of degree 2 (rows) on the same mesh. The row
+/// of a vertex has the entry 1. The row of an edge's midpoint has the entries ½ and ½, in the columns of the
+/// edge's ends. One component is stored for all (MAIJ). Collective.
 petsc::Matrix embedding(const Space& linear, const Space& quadratic);
 
 } // namespace signorini::fem

@@ -215,7 +215,7 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
           part_of_full += angle(other, j, corners);
           if (other.part != cell.part)
             continue;
-          const double volume = simplex(other, space.dim()).volume();
+          const double volume = simplex(other, space.dim()).abs_determinant();
           volumes += volume;
           stress += volume * von_mises(other.stress); // in a mean of tensors shear beside a load would cancel
           for (std::size_t c = 0; c < sum.size(); ++c)

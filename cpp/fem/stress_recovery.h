@@ -7,7 +7,7 @@ namespace signorini::fem {
 
 /// Error estimate for a computed stress σ by recovery (Zienkiewicz, Zhu 1987): the energy ½ ∫ (σ* − σ) : (ε*
 /// − ε) in each cell. The recovered fields σ* and ε* are linear; their values at a node are the means,
-/// weighted by volume, over the cells of one material at that node. For displacements of degree 1.
+/// weighted by volume, over the cells of one material at that node. Valid for displacements of degree 1.
 class StressRecovery {
 public:
   /// Sets up the estimate for the parts of the body. Collective.
@@ -40,11 +40,11 @@ struct StressPeak {
   Largest largest;      ///< largest von Mises stress, Pa, at the midpoint of its cell
   double recovered = 0; ///< Pa, at the same point, from the recovered linear stress: at each node the mean
                         ///< over the cells of one material, weighted by volume
-  /// A node of that cell on the boundary, m; absent if the cell has none. If the boundary has reentrant
-  /// corners at such nodes, it is the one with the largest angle, else the node with the largest mean stress
-  /// around it.
+  /// Position of a boundary node of the cell of `largest`, m; absent if this cell has no boundary node. Among
+  /// several nodes, it is the reentrant corner with the largest angle or, if none is a reentrant corner, the
+  /// node with the largest mean von Mises stress of the cells around it.
   std::optional<std::array<double, 3>> corner{};
-  double angle = 0; ///< angle of the body around `corner`, as a fraction of the full angle; ½ if smooth
+  double angle = 0; ///< angle of the body around `corner`, as a fraction of the full angle; about ½ if smooth
 };
 
 /// Fraction of the full angle around a boundary node above which the node counts as a reentrant corner: half

@@ -73,7 +73,7 @@ TimeProfile::TimeProfile(MPI_Comm comm, scene::Field field, const std::vector<do
     return;
   std::erase_if(knots_, [&](double t) { return !(t > 0 && t < end); });
   std::ranges::sort(knots_);
-  cut();
+  make_panels();
   const auto range = [](std::span<const double> values) {
     const auto [least, most] = std::ranges::minmax(values);
     return most - least;
@@ -96,7 +96,7 @@ const double* TimeProfile::place(std::size_t component, std::size_t i) const {
   return field_.depends_on_place(component) ? &points_[3 * i] : origin.data();
 }
 
-void TimeProfile::cut() {
+void TimeProfile::make_panels() {
   std::array<double, 6> corners; // the least coordinates, and the negatives of the greatest
   corners.fill(std::numeric_limits<double>::infinity());
   const std::size_t count = points_.size() / 3;
@@ -149,11 +149,11 @@ void TimeProfile::refine() {
     bool good = of[0] <= quadrature_tolerance * whole;
     panel.width = 0;
     for (std::size_t c = 0; c < size; ++c)
-      if (quadrated(c)) {
+      if (needs_quadrature(c)) {
         const scene::Interval sampled = of[2 + c] >= least[k * size + c]
                                             ? scene::Interval(least[k * size + c], of[2 + c])
                                             : scene::Interval(0);
-        good &= explains(sampled, panel, c, unseen * whole / (panel.end - panel.begin) + tiny);
+        good &= samples_cover_enclosure(sampled, panel, c, unseen * whole / (panel.end - panel.begin) + tiny);
         panel.width = std::max(panel.width, width(sampled));
       }
     cuts.push_back(!good);
@@ -195,7 +195,7 @@ void TimeProfile::sample(const Panel& panel, std::vector<double>& most, std::vec
   double difference = 0, modulus = 0;
   std::vector<double> high(size, -std::numeric_limits<double>::infinity()), low(size, -high[0]);
   for (std::size_t c = 0; c < size; ++c) {
-    if (!quadrated(c))
+    if (!needs_quadrature(c))
       continue;
     const std::size_t count = field_.depends_on_place(c) ? samples_.size() : 1;
     for (std::size_t i = 0; i < count; ++i) {
@@ -225,7 +225,8 @@ void TimeProfile::sample(const Panel& panel, std::vector<double>& most, std::vec
   least.insert(least.end(), low.begin(), low.end());
 }
 
-bool TimeProfile::explains(scene::Interval sampled, Panel& panel, std::size_t component, double enough) {
+bool TimeProfile::samples_cover_enclosure(scene::Interval sampled, Panel& panel, std::size_t component,
+                                          double enough) {
   const auto is = [&](const scene::Interval& range) {
     const double all = width(hull(range, sampled));
     panel.width = std::max(panel.width, all);

@@ -20,7 +20,7 @@ struct Surface {
 
 /// Shortest time in which a pressure wave crosses an element, s: its least height divided by the degree and
 /// by the wave speed. Considers the elements with a facet on `surfaces`, or all elements if `surfaces` is
-/// empty. Collective. Throws UserError.
+/// empty. Collective. Throws UserError if a group is missing or unusable.
 double least_wave_time(const Space& space, const std::vector<scene::Material>& materials,
                        const std::vector<Surface>& surfaces);
 

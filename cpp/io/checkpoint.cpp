@@ -197,7 +197,7 @@ void CheckpointReader::damaged(const std::string& name) const {
 }
 
 template <class Sequence>
-void CheckpointReader::read(const std::string& name, Sequence& values) {
+void CheckpointReader::read_entry(const std::string& name, Sequence& values) {
   on_root(comm_, [&] {
     const Hdf5Handle table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!table || shape(table)[0] != 1 || !read_whole(table, values))
@@ -207,10 +207,10 @@ void CheckpointReader::read(const std::string& name, Sequence& values) {
 }
 
 void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
-  read(name, values);
+  read_entry(name, values);
 }
 
-void CheckpointReader::operator()(const std::string& name, std::string& text) { read(name, text); }
+void CheckpointReader::operator()(const std::string& name, std::string& text) { read_entry(name, text); }
 
 void CheckpointReader::operator()(const std::string& name, double& value) {
   std::vector<double> values;
@@ -251,8 +251,8 @@ void CheckpointReader::match_places() {
   for (std::size_t i = 0; i < padded.size(); ++i)
     if (i % 3 < dim)
       points.push_back(padded[i]);
-  rows_ = match_points(space, points, places_of(*controls_),
-                       [this](const std::string& problem) { fail(problem); });
+  place_in_file_ = match_points(space, points, places_of(*controls_),
+                                [this](const std::string& problem) { fail(problem); });
 }
 
 bool CheckpointReader::has(const std::string& name) const {
@@ -309,7 +309,7 @@ control::Control CheckpointReader::control(const std::string& name,
     MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm_);
     const std::span<double> values = read.at(k);
     for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = row[rows_[i / components] * components + i % components];
+      values[i] = row[place_in_file_[i / components] * components + i % components];
   }
   return read;
 }

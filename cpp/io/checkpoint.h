@@ -97,15 +97,15 @@ private:
   control::Control control(const std::string& name);
   [[noreturn]] void damaged(const std::string& name) const;
   template <class Sequence>
-  void read(const std::string& name, Sequence& values);
+  void read_entry(const std::string& name, Sequence& values);
 
   MPI_Comm comm_;
   const control::ControlSpace* controls_ = nullptr;
   std::filesystem::path file_;
   std::string reason_;
-  Hdf5Handle in_;                 ///< the open file; on rank 0
-  std::size_t columns_ = 0;       ///< number of values in a row, summed over the ranks
-  std::vector<std::size_t> rows_; ///< number in the file of each place that this rank owns
+  Hdf5Handle in_;                          ///< the open file; on rank 0
+  std::size_t columns_ = 0;                ///< number of values of a control in one interval, on all ranks
+  std::vector<std::size_t> place_in_file_; ///< for each place that this rank owns, its index in the file
 };
 
 } // namespace signorini::io

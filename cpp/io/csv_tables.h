@@ -20,7 +20,8 @@ namespace signorini::io {
 std::string steps_header(int dim, bool tracking);
 
 /// Appends row k of steps.csv. `time`: s; `normal_force`: sum of the moduli of the nodal contact forces, N
-/// (in 2D N/m); `tracking_error`: ‖y_k − y_d,k‖ in L2, m² (in 3D m^5/2), absent without that column.
+/// (in 2D N/m); `tracking_error`: L2 norm of y − y_d at `time`, m² (in 3D m^5/2), given if the header has a
+/// column for it.
 void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
                    const diagnostics::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error);
@@ -48,13 +49,13 @@ struct History {
 std::string obstacles_header(int dim);
 
 /// Appends the rows of step k to obstacles.csv, one per obstacle. `time`: s; `contacts`: the scene's tables
-/// [contact], with the obstacles' names.
+/// [contact], which name the obstacles.
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
                        const std::vector<scene::Contact>& contacts,
                        const diagnostics::ObstacleForces& forces);
 
-/// Header of probes.csv, which has one row per step after row 0 for the initial state. `columns`: names after
-/// step and time.
+/// Header of probes.csv, which has one row per step after row 0 for the initial state. `columns`: names of
+/// the columns after step and time.
 std::string probes_header(const std::vector<std::string>& columns);
 
 /// Appends row k of probes.csv. `time`: s; `values`: one for each column after step and time.
@@ -63,11 +64,11 @@ void add_probes_row(std::string& text, int k, double time, std::span<const doubl
 /// Text of contact.csv, which has one row per stored step and candidate. The columns after step and time are
 /// the candidate's point in the undeformed body, gap, force, obstacle, the obstacle's outward normal at the
 /// point (the direction of the force on the body), area, pressure and status. Numbers have as many digits as
-/// distinguish them from all other doubles.
+/// are needed to recover the exact double.
 class ContactTable {
 public:
-  /// Prepares the constant part of each candidate's row. `contacts`: the scene's tables [contact], with the
-  /// obstacles' names. `pressure` must outlive this object.
+  /// Prepares the constant part of each candidate's row. `contacts`: the scene's tables [contact], which name
+  /// the obstacles. `pressure` must outlive this object.
   ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
                const std::vector<scene::Contact>& contacts);
 
@@ -79,7 +80,7 @@ public:
 private:
   /// Constant text of a candidate's row.
   struct CandidateText {
-    std::string point, surface; ///< text before gap and force, text after them
+    std::string point, surface; ///< text of the point's columns; text of the columns from obstacle to area
   };
   int dim_;
   const contact::Pressure& pressure_;

@@ -245,7 +245,7 @@ void FieldWriter::write(const std::string& field, std::size_t number, double tim
                         std::span<const double> owned) {
   const auto series = std::ranges::find(fields_, field, &FieldSeries::name);
   if (series == fields_.end())
-    throw std::logic_error("a field that the file was not opened for");
+    throw std::logic_error("the file was opened without this field");
   Datasets& datasets = datasets_[static_cast<std::size_t>(series - fields_.begin())];
   const std::span<const double> rows = layout_.gather(series->values, owned);
   std::vector<hsize_t> shape{layout_.rows(series->values)};

@@ -11,7 +11,8 @@
 
 namespace signorini::io {
 
-/// Kinds of stored fields: nodal or one value for each cell, vector (no suffix), scalar or tensor.
+/// Kinds of stored fields, with a value at each node (nodal) or for each cell (cellwise). The values are
+/// vectors, unless the name ends with scalar or tensor.
 enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
 
 /// Whether a field has a value for each cell; else it has one for each node.
@@ -28,7 +29,7 @@ public:
   [[nodiscard]] std::size_t nodes() const { return nodes_.total(); }
   /// Number of cells of the mesh, summed over the ranks.
   [[nodiscard]] std::size_t cells() const { return cells_.total(); }
-  /// Number of values of a field, cells() or nodes().
+  /// Number of rows of a field: cells() if the field has a value for each cell, else nodes().
   [[nodiscard]] std::size_t rows(Values values) const { return in_cells(values) ? cells() : nodes(); }
 
   /// Gathers the coordinates of the vertices (nodes × dim), m, on rank 0; empty on other ranks. Collective.
@@ -36,16 +37,16 @@ public:
   /// Gathers the vertices of each cell (cells × (dim + 1)) on rank 0; empty on other ranks. Collective.
   [[nodiscard]] std::vector<std::int64_t> topology() const;
 
-  /// Gathers the values `owned` by each rank, at the nodes of V or in the cells, on rank 0. The result has a
-  /// row for each vertex or cell; vectors are padded to 3 components. Valid on rank 0 until the next call.
-  /// Collective.
+  /// Gathers a field on rank 0. `owned`: the values that this rank owns, at the nodes of V or in the cells.
+  /// The result has a row for each vertex or cell; vectors are padded to 3 components. It is valid until the
+  /// next call, and empty on ranks other than 0. Collective.
   [[nodiscard]] std::span<const double> gather(Values values, std::span<const double> owned);
 
 private:
-  /// Distribution of the rows of a table, one row for each vertex or cell, over the ranks.
+  /// Distribution over the ranks of a table that has one row for each vertex or cell.
   struct Rows {
-    std::vector<std::size_t> own;    ///< index of each row of this rank among the values that it owns
-    std::vector<int> counts, starts; ///< number of rows of each rank, and number of its first row
+    std::vector<std::size_t> own;    ///< for each row of this rank, its index among the values owned here
+    std::vector<int> counts, starts; ///< for each rank, its number of rows and the index of its first row
     [[nodiscard]] std::size_t total() const {
       return static_cast<std::size_t>(starts.back()) + static_cast<std::size_t>(counts.back());
     }
@@ -58,7 +59,7 @@ private:
 
   const fem::Space& space_;
   Rows nodes_, cells_;
-  std::vector<double> mine_, all_; ///< buffers
+  std::vector<double> mine_, all_; ///< buffers of gather(): rows of this rank, rows of all ranks
 };
 
 /// A field that is stored at several times in a field file.
@@ -70,19 +71,19 @@ struct FieldSeries {
 /// Writes fields at the output times of a run into an HDF5 file and an XDMF file. Fields have values at the
 /// vertices of the mesh, also for elements of degree 2, or one value for each cell. The HDF5 file has the
 /// times in `/times` and the fields in `/Function/<field>/<number>`. The numbers ascend with time and have
-/// leading zeros, so that names sort. close() writes the XDMF file, so that the cost of an output time does
-/// not grow with the number of earlier ones.
+/// leading zeros, so that sorting the names sorts the times. Only close() writes the XDMF file, so that the
+/// cost of an output time does not grow with the number of earlier ones.
 class FieldWriter {
 public:
   /// Creates the HDF5 file beside the XDMF file `name` for `fields` at up to `times` output times. Throws
-  /// OutputFailure if the file cannot be written or the disk lacks space for all times. Collective. The
-  /// references must outlive this object.
+  /// OutputFailure if the file cannot be written or the disk lacks space for all times. Collective. `space`
+  /// and `folder` must outlive this object.
   FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
               std::vector<FieldSeries> fields, std::size_t times);
 
-  /// Writes the values of a field at `time` (s). `number`: number of this output time, from 0, in any order
-  /// of calls. `owned`: the values that this rank owns, at the nodes of V or in the cells. Throws
-  /// OutputFailure. Collective.
+  /// Writes the values of a field at `time` (s). `number`: index of this output time, from 0; output times
+  /// may be written in any order. `owned`: the values that this rank owns, at the nodes of V or in the cells.
+  /// Throws OutputFailure. Collective.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 
@@ -113,7 +114,7 @@ private:
   const OutputFolder& folder_;
   std::string name_, data_; ///< names of the XDMF file and of the HDF5 file
   FieldLayout layout_;
-  Hdf5Handle file_, layout_list_; ///< on rank 0
+  Hdf5Handle file_, layout_list_; ///< HDF5 file and the creation properties of its datasets; on rank 0
   std::vector<FieldSeries> fields_;
   std::vector<Datasets> datasets_; ///< datasets of each field
   std::vector<double> times_;      ///< output times, s

@@ -42,7 +42,7 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
   control::Data data{.times = given.times,
                      .values = given.values,
                      .deviations = {},
-                     .warnings = scene::doubts_as_data(given, end)};
+                     .warnings = scene::data_warnings(given, end)};
   require_within(data, end, scene::unit_hint(given));
   double deviation = measurement.deviation.value_or(0);
   if (measurement.noise) {
@@ -119,9 +119,9 @@ std::string data_table(const std::vector<double>& times, const std::vector<std::
 std::string parameters_table(const Fit& fit) {
   std::string text = "name,of,unit,value,standard_deviation,start,lower,upper,scale,at_bound,gradient\n";
   for (const FittedUnknown& one : fit.unknowns)
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{}\n", one.name, one.of, one.unit,
-                   one.value, one.deviation, one.start, one.lower, one.upper, one.scale, one.at_bound ? 1 : 0,
-                   one.gradient);
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{}\n", one.name, one.quantity,
+                   one.unit, one.value, one.deviation, one.start, one.lower, one.upper, one.scale,
+                   one.at_bound ? 1 : 0, one.gradient);
   return text;
 }
 

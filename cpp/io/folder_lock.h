@@ -21,13 +21,13 @@ public:
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Throws UserError if one of `names` is in the folder and was not written by a run. Files count as written
-  /// by a run if the list "files" of its `manifest` has them (all files if the manifest has no list), or if
-  /// they are `early` files of a killed run. `early`: files that this run writes before its manifest; the
-  /// lock file records them. Throws OutputFailure if the lock file cannot be written.
+  /// Throws UserError if the folder has a file with one of the `names` that was not written by a run. A file
+  /// counts as written by a run if the folder's `manifest` lists it under "files" or has no such list, or if
+  /// it is an early file of a killed run. `early`: files that this run writes before its manifest; the lock
+  /// file records them. Throws OutputFailure if the lock file cannot be written.
   void claim(const std::string& manifest, const Names& names, const Names& early);
 
-  /// The folder.
+  /// Absolute path of the folder.
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 
 private:

@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"contact", !scene.contacts.empty()},
       {"steps of varying length", scene.time.automatic()},
       {"contact-stabilized", !scene.contacts.empty() && scheme == scene::ContactScheme::contact_stabilized},
-      {"massless contact", scene::takes_mass(scheme)},
+      {"massless contact", scene::has_massless_candidates(scheme)},
       {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
       {"body load", scene.load && given(scene.load->body)},
       {"gravity", scene.load && given(scene.load->gravity)},
@@ -207,7 +207,7 @@ void add_fit(ordered_json& json, const Fit& fit) {
   json["unknowns_fitted"] = ordered_json::array();
   for (const FittedUnknown& one : fit.unknowns)
     json["unknowns_fitted"].push_back({{"name", one.name},
-                                       {"of", one.of},
+                                       {"of", one.quantity},
                                        {"unit", one.unit},
                                        {"scale", one.scale},
                                        {"value", one.value},
@@ -224,7 +224,7 @@ void add_fit(ordered_json& json, const Fit& fit) {
     correlations.push_back(std::vector<double>(&fit.correlations[i * n], &fit.correlations[i * n] + n));
   for (const Comparison& one : fit.measurements)
     measurements.push_back({{"name", one.name}, {"values", one.times.size()}});
-  for (const ComparedFigure& one : fit.compared)
+  for (const ComparedQuantity& one : fit.compared)
     times.push_back({{"name", one.name},
                      {"unit", one.unit},
                      {"value", one.value},

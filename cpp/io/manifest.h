@@ -16,7 +16,8 @@
 
 namespace signorini::io {
 
-/// A candidate that is weakly active in a step: its gap is closed without a force.
+/// A candidate that is weakly active in a step at a kink: in this step it is active at some points of
+/// optimize::Certificate and open at the others.
 struct WeakContact {
   int step;
   double time; ///< end of the step, s
@@ -27,8 +28,8 @@ struct WeakContact {
 /// A kink of J at which a search ended: the data of optimize::Certificate and the weakly active candidates
 /// that cause the kink.
 struct Kink {
-  double length, radius; ///< length of the shortest combination of gradients; radius in which they were taken
-  int gradients;         ///< number of gradients
+  double length, radius; ///< length of the combination of gradients; radius of the ball of their points
+  int gradients;         ///< number of gradients in the combination
   std::vector<WeakContact> weak;
 };
 
@@ -48,17 +49,17 @@ struct Accuracy {
   std::string quantity;
   double asked = 0, space = 0, time = 0; ///< required error; estimated errors of mesh and of time steps
   double search = 0;                     ///< estimated error of the optimizer
-  bool met = false; ///< whether the estimates, also with half the step length, attain it without a warning
-  std::string warning{}; ///< why an estimate below the required error is not verified; empty if it is
+  bool met = false; ///< whether `warning` is empty and estimated() is at most `asked` (optimize: half of it)
+  std::string warning{}; ///< why a sufficiently small estimate is not verified; empty if it is verified
   /// Estimated total error: the sum of its parts.
   [[nodiscard]] double estimated() const { return space + time + search; }
 };
 
 /// Statistics of the time steps of a motion whose steps vary in length.
-struct Lengths {
+struct StepStatistics {
   double shortest = 0, longest = 0; ///< shortest and longest step, s
-  int rejected = 0;                 ///< steps that were repeated
-  int factorisations = 0;           ///< factorisations of step operators, with repeated ones
+  int rejected = 0;                 ///< number of steps that were rejected and repeated
+  int factorisations = 0;           ///< number of factorisations, including repeated ones for a length
   double seconds = 0;               ///< wall-clock time of these factorisations
 };
 
@@ -69,21 +70,21 @@ struct Manifest {
   int ranks = 1;
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
-  int steps_asked = 0;              ///< number of steps of the whole motion
-  std::optional<Lengths> lengths{}; ///< present if steps vary in length
-  int steps_done = 0;               ///< number of steps computed
-  int stored = 0;                   ///< number of times at which fields and contact were stored
-  double wave_time = 0;             ///< step::Stepper::wave_time(), s
-  std::string control_unit;         ///< unit of control.scale, empty without a control
-  std::string solver;               ///< linear solver of the steps, and the reason for its choice
-  double peak_memory = 0;           ///< bytes, summed over the ranks
+  int steps_asked = 0;                     ///< number of steps of the whole motion
+  std::optional<StepStatistics> lengths{}; ///< present if steps vary in length
+  int steps_done = 0;                      ///< number of steps computed
+  int stored = 0;                          ///< number of times at which fields and contact were stored
+  double wave_time = 0;                    ///< least time in which a pressure wave crosses an element, s
+  std::string control_unit;                ///< unit of control.scale, empty without a control
+  std::string solver;                      ///< linear solver of the steps, and the reason for its choice
+  double peak_memory = 0;                  ///< bytes, summed over the ranks
   int dim = 2;
   diagnostics::BodyFigures body;
   std::optional<control::ObjectiveValue> objective;
   std::optional<diagnostics::EnergyAccount> energy; ///< energy of the stored motion; absent if not computed
   std::optional<diagnostics::Impact> impact;        ///< absent if not computed, or in a scene without contact
   std::optional<diagnostics::LargestStress::Peak> von_mises; ///< absent if no stress is stored
-  std::vector<diagnostics::Invariants::Defect> invariants;   ///< largest defects; empty if not monitored
+  std::vector<diagnostics::Invariants::Defect> invariants;   ///< largest defect of each law, if monitored
   std::vector<Warning> warnings;                             ///< warnings on the stored motion
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< searches on coarse meshes, the coarsest first
@@ -93,8 +94,8 @@ struct Manifest {
   std::vector<std::string> files; ///< names of the files of the run
 };
 
-/// Whether the largest stress occurs within one crossing of the body by a wave after contact begins. The
-/// wave front, and thus this stress, depends on mesh and time steps.
+/// Whether the largest stress occurs right after contact begins, within the time in which a wave crosses the
+/// body. The wave front, and thus this stress, depends on mesh and time steps.
 [[nodiscard]] bool stress_at_onset(const Manifest& m);
 
 /// Writes a JSON document as indented text. Bytes that are not UTF-8, as in some file names, are replaced.
@@ -108,7 +109,7 @@ std::string version_line();
 /// Text of run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);
 
-/// Names of all effects of the model, each with whether the scene uses it.
+/// Names of all effects of the model, such as viscosity or gravity, and for each whether the scene uses it.
 std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene);
 
 } // namespace signorini::io

@@ -21,34 +21,34 @@ class OutputFolder {
 public:
   /// Creates and locks the folder, and completes or removes the remains of killed runs. Throws OutputFailure
   /// on every rank if the folder cannot be written. Throws UserError if another run has locked the folder, or
-  /// if the folder contains a file of the same name as an output file that no run wrote. `given`: name of a
+  /// if a file in the folder has the name of an output file but was not written by a run. `given`: name of a
   /// file exempt from this check, since the run reads and checks it itself. Collective.
   OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Whether `name` is a name of the files that runs write into their output folders.
+  /// Whether runs write files with this name into their output folders.
   [[nodiscard]] static bool writes(std::string_view name);
 
   /// Path at which to write the file `name`, from where publish() moves it.
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return staging_ / name; }
 
-  /// Writes a text file of that name, on rank 0. Throws OutputFailure. Collective.
+  /// Writes `text` into the output file `name`, on rank 0. Throws OutputFailure. Collective.
   void write(const std::string& name, const std::string& text) const;
 
   /// Throws UserError if the folder has files that only a search writes, since publishing this run would
   /// remove them. `given`: path of the folder as given by the user, for the message. Collective.
   void require_no_search(const std::filesystem::path& given) const;
 
-  /// Moves all written files into the output folder. Removes files of an earlier run that this run did not
-  /// write, and the pages and figures that postprocess/ made of the earlier run. If it throws, the folder is
-  /// unchanged. Returns the paths of removed pages and figures within the folder, on rank 0. Throws
-  /// OutputFailure. Collective.
+  /// Moves all written files into the output folder. Removes files of an earlier run that this run does not
+  /// replace, and the pages and figures that postprocess/ made of the earlier run. If it throws, the folder
+  /// is unchanged. Returns the paths of the removed pages and figures, relative to the folder, on rank 0.
+  /// Throws OutputFailure. Collective.
   std::vector<std::string> publish();
 
-  /// Names of the files to be listed in run.json, which is written last: the files of this run, run.json
-  /// itself, and a checkpoint in the folder. Call on rank 0.
+  /// Names of the files to be listed in run.json: the files that this run has written, run.json itself and,
+  /// if the folder has one, the checkpoint. Call this on rank 0, after all files but run.json are written.
   [[nodiscard]] FolderLock::Names files() const;
 
   /// Total size of the files written so far, bytes. Zero on ranks other than 0.

@@ -186,8 +186,8 @@ void require_same_place(const CheckpointReader& in, const control::Interpolation
   constexpr double chords = 0.02; // of the body: those of elements of half the radius
   const double distance = std::max(there_to_here.farthest(), here_to_there.farthest());
   if (distance > chords * diameter)
-    in.fail(fmt::format("found a control up to {:.4g} m away from this scene's, in a body of {:.4g} m; use "
-                        "one of the same body and place",
+    in.fail(fmt::format("found a control up to {:.4g} m away from this scene's control (body diameter: "
+                        "{:.4g} m); use a control of the same body and place",
                         distance, diameter));
 }
 
@@ -238,7 +238,7 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
                                   key, folder.string(), why));
     if (controls.cellwise())
       throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, which a control with values in "
-                                  "cells needs; use the folder of an optimize run with one",
+                                  "cells needs. Use the folder of an optimize run that wrote checkpoint.h5",
                                   key, folder.string()));
     scene = scene::read_file(echo);
   });

@@ -79,8 +79,8 @@ double Preconditioner::bytes() const {
 namespace {
 
 long& iterations_made = count("iterations of conjugate gradients");
-/// Relative residuals below which the judge is called: at the first, most changes of the active set already
-/// show.
+/// Relative residuals below which the termination test is called: at the first, most changes of the active
+/// set already show.
 constexpr std::array judged_at{1e-3, 1e-6};
 
 } // namespace
@@ -213,12 +213,12 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
     *reason = KSP_CONVERGED_RTOL;
   } else if (now.most && iteration >= *now.most) {
     *reason = KSP_DIVERGED_ITS;
-  } else if (now.judge && due > now.asked) {
-    now.asked = due;
+  } else if (now.termination_test && due > now.limits_passed) {
+    now.limits_passed = due;
     Vec x = nullptr;
     PetscCall(KSPBuildSolution(ksp, nullptr, &x));
     try {
-      now.stopped = !(*now.judge)(x);
+      now.stopped = !(*now.termination_test)(x);
     } catch (...) {
       PetscFunctionReturn(PETSC_ERR_LIB);
     }
@@ -233,8 +233,9 @@ void ConjugateGradients::solve(Vec b, Vec x) const {
   run(b, x, solve);
 }
 
-bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const {
-  Solve solve{.project = &project, .judge = judge ? &judge : nullptr};
+bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project,
+                               const TerminationTest& termination_test) const {
+  Solve solve{.project = &project, .termination_test = termination_test ? &termination_test : nullptr};
   run(b, x, solve);
   return !solve.stopped;
 }
@@ -260,10 +261,10 @@ void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
     return;
   PetscReal residual = 0;
   check(KSPGetResidualNorm(ksp_, &residual));
-  throw SolverFailure(
-      fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e}, limit {:.3e}, after "
-                  "{} iterations",
-                  name(), KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
+  throw SolverFailure(fmt::format(
+      "the solve with the step operator D by {} failed: {}, residual {:.3e}, limit {:.3e}, after "
+      "{} iterations",
+      name(), KSPConvergedReasons[reason], residual, tolerance_ * solve.scale, static_cast<int>(iterations)));
 }
 
 } // namespace signorini

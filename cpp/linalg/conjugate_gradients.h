@@ -17,8 +17,8 @@ public:
     multigrid     ///< smoothed aggregation (PETSc's GAMG) with the near null space (rigid motions)
   };
 
-  /// `matrix` must have a block size (one block per node) and must outlive this object unchanged. Collective.
-  /// Throws SolverFailure.
+  /// Sets up the preconditioner. The block size of `matrix` must be the number of components of a node.
+  /// `matrix` must outlive this object unchanged. Collective. Throws SolverFailure.
   Preconditioner(Mat matrix, Kind kind);
 
   /// Whether the user has set -step_pc_type, which overrides every Kind.
@@ -33,13 +33,13 @@ public:
   [[nodiscard]] double bytes() const;
 
 private:
-  petsc::Matrix rows_; ///< AIJ copy of the matrix, which all types except block Jacobi need; else null
+  petsc::Matrix rows_; ///< AIJ copy of the matrix; null for block Jacobi, which needs none
   petsc::Preconditioner preconditioner_;
 };
 
-/// Solver by preconditioned conjugate gradients. A trial solve selects the preconditioner, which is then set
-/// up once: multigrid if the expected solves, set-up included, take less work with it, else block Jacobi.
-/// PETSc options with the prefix `-step_` are honoured, except for the convergence test.
+/// Solver by preconditioned conjugate gradients. The constructor makes trial solves and selects the
+/// preconditioner: multigrid if the expected solves, set-up included, take less work with it, else block
+/// Jacobi. PETSc options with the prefix `-step_` are honoured, except for the convergence test.
 ///
 /// Convergence test: the residual in the natural norm (that of the preconditioner, which approximates the
 /// energy norm of the error) must fall below tolerance() times a reference. This reference is the larger of
@@ -51,8 +51,9 @@ public:
   /// Inspects an iterate and returns whether to continue.
   using TerminationTest = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged; `solves`: expected number of solves; `most`: work after
-  /// which the trial solve is abandoned, in iterations with block Jacobi. Collective. Throws SolverFailure.
+  /// Selects and sets up the preconditioner. `matrix` must outlive this object unchanged; `solves`: expected
+  /// number of solves; `most`: work after which a trial solve is abandoned, in iterations with block Jacobi.
+  /// Collective. Throws SolverFailure.
   explicit ConjugateGradients(Mat matrix, double solves = 1,
                               double most = std::numeric_limits<double>::infinity());
   ConjugateGradients(const ConjugateGradients&) = delete; // PETSc stores its address
@@ -60,11 +61,11 @@ public:
 
   void solve(Vec b, Vec x) const override;
 
-  /// Solves on the subspace onto which P, `project`, is the projector: P (b − matrix x) = 0, with x − guess
-  /// in the subspace. `judge`, if given, is called for two intermediate iterates; if it returns false, the
-  /// solve ends with the present iterate and returns false. Otherwise returns true. Collective. Throws
-  /// SolverFailure.
-  bool solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const;
+  /// Solves P (matrix x − b) = 0, where `project` applies P, the orthogonal projector onto a subspace. The
+  /// solution differs from the initial guess by a vector of the subspace. `termination_test`, if given,
+  /// inspects at most two intermediate iterates. If it returns false, the solve ends with that iterate as x,
+  /// and solve() returns false. Otherwise solve() returns true. Collective. Throws SolverFailure.
+  bool solve(Vec b, Vec x, const Projector& project, const TerminationTest& termination_test) const;
 
   /// Work of the trial solve (right-hand side 1 in all unknowns, guess zero) without set-up, in iterations
   /// with block Jacobi; infinity if it was abandoned. The same on every rank.
@@ -83,11 +84,12 @@ private:
   /// State of one solve.
   struct Solve {
     const Projector* project = nullptr;
-    const TerminationTest* judge = nullptr;
-    std::ptrdiff_t asked = 0; ///< number of entries of judged_at that the residual has passed
-    bool stopped = false;     ///< ended by the judge
-    bool started = false;     ///< whether the matrix has been applied to the guess
-    double scale = 0;         ///< reference of the convergence test, in the energy norm
+    const TerminationTest* termination_test = nullptr;
+    /// Number of limits in judged_at reached when termination_test was last called.
+    std::ptrdiff_t limits_passed = 0;
+    bool stopped = false; ///< whether termination_test has ended the solve
+    bool started = false; ///< whether the matrix has been applied to the guess
+    double scale = 0;     ///< reference of the convergence test
     /// Limit of the iterations of a trial solve, which is not counted and may end without a solution. Absent
     /// for other solves.
     std::optional<double> most{};
@@ -99,16 +101,16 @@ private:
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
   void choose_preconditioner(Mat matrix, double solves, double most);
-  /// Number of iterations of a trial solve; infinity if it exceeds `most` or fails.
+  /// Makes a trial solve and returns the number of its iterations; infinity if it exceeds `most` or fails.
   [[nodiscard]] double try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   Mat matrix_;
-  /// The operator P matrix, so that residuals stay in the subspace. With the projection in the preconditioner
-  /// alone, P M⁻¹ P, residuals would contain the constraint forces f. Once the rest of the residual has
-  /// fallen to ε|f|, with ε the rounding error of P, z·r would be rounding error, and search directions would
-  /// leave the subspace (Gould, Hribar, Nocedal 2001). With both projections only a rounding error of ε²|f|
-  /// remains.
+  /// The operator x ↦ P (matrix x), which keeps residuals r in the subspace. With the projection in the
+  /// preconditioner alone, z = P M⁻¹ P r, residuals would contain the constraint forces f. Once the rest of
+  /// the residual has fallen to ε|f|, with ε the rounding error of P, z·r would be rounding error, and search
+  /// directions would leave the subspace (Gould, Hribar, Nocedal 2001). With both projections only a rounding
+  /// error of ε²|f| remains.
   petsc::Matrix operator_;
   petsc::LinearSolver ksp_;
   std::unique_ptr<Preconditioner> preconditioner_;

@@ -34,7 +34,7 @@ private:
 /// Cost of a factorisation, as its analysis estimates it.
 struct FactorWork {
   double flops = 0;   ///< floating-point operations
-  double entries = 0; ///< nonzero entries of the factor
+  double entries = 0; ///< stored entries of the factor
 };
 
 } // namespace signorini

@@ -7,11 +7,12 @@ namespace signorini {
 /// Direct solver by MUMPS, on any number of ranks. PETSc options with the prefix `-step_` are honoured.
 class MumpsSolver final : public LinearSolver {
 public:
-  /// Copies `matrix` and analyses the copy: elimination order, memory. Collective. Throws SolverFailure.
+  /// Copies `matrix` and analyses the copy, which gives the elimination order and estimates of memory and
+  /// work. Collective. Throws SolverFailure.
   explicit MumpsSolver(Mat matrix);
 
   /// Whether MUMPS can index the factor's entries: always true, since it uses 64-bit indices.
-  [[nodiscard]] static bool possible() { return true; }
+  [[nodiscard]] static bool indexable() { return true; }
 
   /// Memory that the factorisation will take on all ranks, as the analysis estimates it, bytes. Collective.
   [[nodiscard]] double estimate() const;

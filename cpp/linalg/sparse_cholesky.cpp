@@ -193,8 +193,8 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> trailing_block, 
   order_ = order.nodes.empty() ? order_for_sparsity(*c_, D, trailing_block) : order;
   const double matrix_entries = static_cast<double>(D.row[D.count]) * D.size * D.size;
   entries_ = order_.entries + static_cast<double>(trailing_size_) * trailing_size_ / 2;
-  possible_ = std::max(entries_, matrix_entries) <= most;
-  if (!possible_)
+  indexable_ = std::max(entries_, matrix_entries) <= most;
+  if (!indexable_)
     return;
   std::vector<int> permutation;
   for (int i : order_.nodes)
@@ -210,15 +210,15 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> trailing_block, 
   std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
   common.supernodal = order_.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
-  possible_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
-  if (possible_)
+  indexable_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
+  if (indexable_)
     c_->require("the analysis");
 }
 
 SparseCholesky::~SparseCholesky() = default;
 
 double SparseCholesky::estimate() const {
-  if (!possible_)
+  if (!indexable_)
     return entries_ * sizeof(double);
   const cholmod_factor& L = *c_->factor;
   const double trailing_block = static_cast<double>(trailing_size_);
@@ -233,7 +233,7 @@ FactorWork SparseCholesky::work() const {
 }
 
 void SparseCholesky::factorise() {
-  if (!possible_)
+  if (!indexable_)
     throw SolverFailure(
         fmt::format("the factorisation of the step operator D by CHOLMOD failed: its {:.3g} entries "
                     "are too many for 32-bit indices",
@@ -249,7 +249,7 @@ void SparseCholesky::factorise() {
     c_->solves.emplace(*c_->factor);
 }
 
-std::vector<double> SparseCholesky::corner_factor() const {
+std::vector<double> SparseCholesky::trailing_factor() const {
   const cholmod_factor& L = *c_->factor;
   const auto c = static_cast<std::size_t>(trailing_size_);
   const int first = static_cast<int>(L.n - c);

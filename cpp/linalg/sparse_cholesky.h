@@ -22,10 +22,10 @@ struct EliminationOrder {
 /// the solution as a load on the trailing block.
 class SparseCholesky final : public LinearSolver {
 public:
-  /// Computes an elimination order or, if `order` is not empty, takes this one, from a matrix with the same
-  /// nonzero pattern. Counts the factor's entries. `matrix`: sequential BAIJ, copied; `trailing_block`: nodes
-  /// (rows of blocks), in the order in which the entries of the trailing block are wanted; `most`: largest
-  /// number of entries that can be indexed. Throws SolverFailure.
+  /// Analyses `matrix` (sequential BAIJ), which is copied, and counts the factor's entries. `trailing_block`:
+  /// nodes (rows of blocks), in the order in which the entries of the trailing block are wanted; `most`:
+  /// largest number of entries that can be indexed; `order`: elimination order of a matrix with the same
+  /// nonzero pattern; if empty, an order is computed. Throws SolverFailure.
   SparseCholesky(Mat matrix, std::span<const int> trailing_block,
                  double most = std::numeric_limits<int>::max(), const EliminationOrder& order = {});
   ~SparseCholesky() override;
@@ -33,13 +33,13 @@ public:
   [[nodiscard]] const EliminationOrder& order() const { return order_; }
 
   /// Whether the factor's entries can be indexed; if not, factorise() throws SolverFailure.
-  [[nodiscard]] bool possible() const { return possible_; }
+  [[nodiscard]] bool indexable() const { return indexable_; }
 
   /// Memory that the factorisation will take, from the count of the factor's entries, bytes. Only a lower
-  /// bound if possible() is false.
+  /// bound if indexable() is false.
   [[nodiscard]] double estimate() const;
 
-  /// Work of the factorisation; call this only if possible() is true.
+  /// Work of the factorisation; call this only if indexable() is true.
   [[nodiscard]] FactorWork work() const;
 
   /// Computes the factor. Call this once, before any solve. Throws SolverFailure.
@@ -53,7 +53,7 @@ public:
   [[nodiscard]] int trailing_size() const { return trailing_size_; }
   /// Returns the trailing diagonal block of L (c × c, column by column, lower triangle). Call factorise()
   /// first.
-  [[nodiscard]] std::vector<double> corner_factor() const;
+  [[nodiscard]] std::vector<double> trailing_factor() const;
 
   /// Number n of unknowns.
   [[nodiscard]] std::size_t size() const;
@@ -67,7 +67,7 @@ private:
   std::unique_ptr<Cholmod> c_;
   int trailing_size_;
   EliminationOrder order_;
-  bool possible_ = true;
+  bool indexable_ = true;
   double entries_ = 0; ///< entries of the factor, not counting the zeros that pad supernodes
 };
 

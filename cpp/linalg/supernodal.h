@@ -29,8 +29,9 @@ public:
   [[nodiscard]] std::size_t bytes() const;
 
 private:
-  /// Subtree of the elimination tree: a range of supernodes that ends with the root. Outside the subtree its
-  /// columns have entries only in the rows below the root's diagonal block.
+  /// Subtree of the elimination tree: a range of supernodes that ends with the root. Its columns also have
+  /// entries in rows outside the subtree; all these rows are among those of the root below its diagonal
+  /// block.
   struct Subtree {
     int first, root;
     std::size_t outside; ///< start of this subtree's entries in outside_
@@ -54,11 +55,15 @@ private:
   const cholmod_factor& L_;
   std::vector<Subtree> subtrees_;
   std::vector<Trunk> trunk_;
-  std::vector<int> inside_;     ///< number of rows below each supernode's diagonal block inside its subtree
-  std::vector<int> place_;      ///< position of each outside row of L.s among the rows below the root
-  std::vector<double> outside_; ///< contributions of subtrees to outside rows (forward), z there (backward)
-  std::vector<double> shared_;  ///< scratch for a divided supernode (maxesize)
-  std::vector<std::vector<double>> work_; ///< scratch for each thread (maxesize)
+  /// Number of rows of each supernode that are below its diagonal block and inside its subtree.
+  std::vector<int> inside_;
+  /// For each entry of L.s that is a row outside the subtree of its supernode: position of the row among the
+  /// root's rows below the diagonal block.
+  std::vector<int> place_;
+  /// Values in the rows outside each subtree: its contributions to them (forward), or z (backward).
+  std::vector<double> outside_;
+  std::vector<double> shared_;            ///< scratch for a divided supernode (L.maxesize entries)
+  std::vector<std::vector<double>> work_; ///< scratch for each thread (L.maxesize entries)
 };
 
 } // namespace signorini

@@ -191,7 +191,8 @@ PetscErrorCode run(Mat matrix, Vec x, Vec z, Vec y) {
   void* own = nullptr;
   PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(matrix), attached,
                              reinterpret_cast<PetscObject*>(&container)));
-  PetscCheck(container, PETSC_COMM_SELF, PETSC_ERR_PLIB, "a copy of a matrix whose products are threaded");
+  PetscCheck(container, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "a copy of a matrix with threaded products cannot be multiplied");
   PetscCall(PetscContainerGetPointer(container, &own));
   const PetscScalar *from = nullptr, *added = nullptr;
   PetscScalar* to = nullptr;

@@ -118,7 +118,7 @@ void GmshCells::number_points(const std::vector<std::int64_t>& cells) {
   for (std::int64_t tag : used) {
     require_node(tag);
     number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
-    const std::array<double, 3> x = drawn(tag);
+    const std::array<double, 3> x = coordinates(tag);
     if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
       fail(fmt::format("node {} is at ({}, {}, {}); expected finite coordinates", tag, x[0], x[1], x[2]));
     raw_.points.insert(raw_.points.end(), x.begin(), x.end());
@@ -136,7 +136,7 @@ void GmshCells::require_node(std::int64_t tag) const {
     fail(fmt::format("an element refers to node {}, which the file does not have", tag));
 }
 
-std::array<double, 3> GmshCells::drawn(std::int64_t tag) const {
+std::array<double, 3> GmshCells::coordinates(std::int64_t tag) const {
   const double* x = &drawn_[3 * drawn_row_.at(tag)];
   return {metres_ * x[0], metres_ * x[1], metres_ * x[2]};
 }
@@ -157,7 +157,7 @@ Simplex GmshCells::simplex(const std::int64_t* nodes) const {
 
 void GmshCells::require_extent() const {
   for (std::size_t c = 0; c < raw_.cells.size(); c += raw_.dim + 1)
-    if (const Simplex cell = simplex(&raw_.cells[c]); !(cell.volume() > 1e-14 * cell.edge_product()))
+    if (const Simplex cell = simplex(&raw_.cells[c]); !(cell.abs_determinant() > 1e-14 * cell.edge_product()))
       fail(fmt::format("the {0} at {1} has zero {2}; use {3} that are not degenerate", words(raw_.dim).cell,
                        place(raw_.cells[c]), words(raw_.dim).extent, words(raw_.dim).cells));
 }

@@ -19,9 +19,9 @@ namespace signorini::mesh {
 /// Words for the cells and facets of a mesh of dimension 2 or 3, for messages.
 struct Words {
   const char *cell, *cells, *facet, *facets;
-  const char* extent;                           ///< "area" or "volume"; zero for degenerate cells
+  const char* extent;                           ///< measure of a cell: "area" or "volume"
   const char* body_kind;                        ///< kind of a Physical group of cells in a .geo file
-  const char *straight_cells, *straight_facets; ///< with gmsh's names of these element types
+  const char *straight_cells, *straight_facets; ///< element types that can be used, with gmsh's names
 };
 
 inline constexpr Words plane_words{.cell = "triangle",
@@ -46,8 +46,8 @@ inline const Words& words(int dim) { return dim == 2 ? plane_words : space_words
 /// Name of an entity of dimension `dim` in a .geo file: point, curve, surface or volume.
 const char* entity_kind(int dim);
 
-/// Returns gmsh's name of an element type of the entity that is not a straight simplex; empty if all elements
-/// of the entity are straight simplices.
+/// Returns gmsh's name of the first element type in the entity other than straight simplices of dimension
+/// `dim`; empty if there is none.
 std::string foreign_elements(int dim, int entity);
 
 /// Tags of the nodes of an entity's elements, element by element.
@@ -70,7 +70,7 @@ public:
   /// Numbers of the entities that have cells, ascending.
   [[nodiscard]] std::vector<int> entities() const;
   [[nodiscard]] bool entities_are_groups() const { return entities_are_groups_; }
-  /// Map from a group's dimension and number to the numbers of its entities. Filled only if
+  /// Map from a group's dimension and number to the numbers of its entities. Empty unless
   /// entities_are_groups() is true.
   [[nodiscard]] const std::map<std::pair<int, int>, std::vector<int>>& entities_of() const {
     return entities_of_;
@@ -81,7 +81,7 @@ public:
   /// Rows in raw().points of nodes, by their tags; each node must belong to a cell.
   [[nodiscard]] std::vector<std::int64_t> rows_of(const std::vector<std::int64_t>& tags) const;
   /// Coordinates of a node of the file, by its tag, m.
-  [[nodiscard]] std::array<double, 3> drawn(std::int64_t tag) const;
+  [[nodiscard]] std::array<double, 3> coordinates(std::int64_t tag) const;
   /// Throws UserError unless the file has a node with this tag.
   void require_node(std::int64_t tag) const;
   /// Throws UserError with `text` after the file's name.
@@ -98,7 +98,7 @@ private:
   void number_points(const std::vector<std::int64_t>& cells);
   void require_extent() const;
   /// Removes repeated cells: MSH 2 lists a cell once for each of its groups. Throws UserError if a cell
-  /// occurs twice in one group or, in MSH 4, anywhere.
+  /// occurs twice in one group or, if entities_are_groups() is false, twice in the mesh.
   void keep_single_cells();
   /// Number of the entity that contains a cell. `row`: row of the cell as read, repeated cells included.
   [[nodiscard]] int entity_of(std::int64_t row) const;

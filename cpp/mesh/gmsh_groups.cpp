@@ -139,8 +139,9 @@ private:
         if (!std::ranges::all_of(own, [&](std::int64_t tag) { return cells_.has(tag); }) ||
             !is_facet(cells_.rows_of({own.begin(), own.end()}))) {
           raw_.unusable[group.dim][name] = fmt::format(
-              "contains the {0} at {1}, which is the {0} of no {2}; choose a group of {3} of {4}", word.facet,
-              point_text(cells_.drawn(own[0]).data(), raw_.dim), word.cell, word.facets, word.cells);
+              "contains the {} at {}, which belongs to no {}; choose a group in which all {} belong to {}",
+              word.facet, point_text(cells_.coordinates(own[0]).data(), raw_.dim), word.cell, word.facets,
+              word.cells);
           return;
         }
       }
@@ -194,10 +195,10 @@ private:
       if (cells_.entities_are_groups()) // then this is its number, or the first of several entities'
         gmsh::model::getPhysicalGroupsForEntity(raw_.dim, entity, numbers);
       const int number = numbers.empty() ? entity : numbers.front();
-      cells_.fail(fmt::format("{0} {1} has {2} {3} in no physical group, though others are; add it to a "
-                              "group, as by Physical {4}(\"body\") = {{{1}}};, or delete it",
+      cells_.fail(fmt::format("{0} {1} has {2} {3} in no physical group, although other {5} are in one. Add "
+                              "the {0} to a group, as by Physical {4}(\"body\") = {{{1}}};, or delete it",
                               entity_kind(raw_.dim), number, bare, bare == 1 ? word.cell : word.cells,
-                              word.body_kind));
+                              word.body_kind, word.cells));
     }
     std::abort(); // some range has that cell
   }

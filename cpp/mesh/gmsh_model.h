@@ -3,14 +3,14 @@
 #include "mesh/mesh.h"
 #include "mesh/raw_mesh.h"
 
-/// Use of gmsh within this process. A damaged file may crash it; see mesh/gmsh_process.h.
+/// Use of gmsh within this process, which a damaged file may crash; see mesh/gmsh_process.h.
 namespace signorini::mesh {
 
 /// Reads a .msh file, or meshes a .geo file with the scene's size or scale. A .geo is meshed up to the
 /// dimension of its highest entities: triangles in the plane z = 0, or tetrahedra. Throws UserError if the
 /// file cannot be read or has a wrong dimension or element type, or if cells are degenerate, overlap their
-/// neighbours or are in no physical group though others are. A boundary group that contains facets of no cell
-/// is returned as unusable.
+/// neighbours or are in no physical group though others are. A boundary group with an element that is a facet
+/// of no cell is returned as unusable.
 RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing = {});
 
 /// Writes a mesh with its parts and boundary groups as a .msh file, with coordinates in `unit`. Omits groups

@@ -22,8 +22,10 @@ struct SizeField;
 
 /// Options for meshing a file that are not in the scene.
 struct Meshing {
-  const SizeField* sizes = nullptr; ///< replaces mesh.size, or refines a .msh; used on rank 0 only
-  std::filesystem::path keep{};     ///< .msh file to write the mesh to, in the unit mesh.unit; none if empty
+  /// Element sizes: a .geo is meshed with them instead of mesh.size; a .msh is refined to them if `keep` is
+  /// given. Used on rank 0 only; null: none.
+  const SizeField* sizes = nullptr;
+  std::filesystem::path keep{}; ///< .msh file to write the mesh to, in the unit mesh.unit; none if empty
 };
 
 /// Distributed mesh of straight simplices, with named groups of cells (parts of the body) and of facets

@@ -8,13 +8,13 @@
 
 namespace signorini::mesh {
 
-/// Validated copy of a .msh file in memory, which gmsh reads instead of the file. gmsh would execute a file
-/// that does not begin as a mesh as a script, and would read the options in a file x.msh.opt beside it. Since
-/// gmsh reads the copy, later changes of the file have no effect.
+/// Validated copy of a .msh file in memory, which gmsh reads instead of the file. If a file did not begin as
+/// a mesh, gmsh would execute it as a script; gmsh would also read the options in a file x.msh.opt beside it.
+/// Since gmsh reads the copy, later changes of the file have no effect.
 class MshFile {
 public:
-  /// Copies and validates the file. Throws UserError if the file cannot be read, does not begin as MSH, is
-  /// truncated or does not fit into memory. Not collective.
+  /// Copies and validates the file. Throws UserError if the file cannot be read, does not begin with
+  /// $MeshFormat or $Comments, is truncated or does not fit into memory. Not collective.
   explicit MshFile(const std::filesystem::path& file);
   ~MshFile();
   MshFile(const MshFile&) = delete;

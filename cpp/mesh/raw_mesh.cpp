@@ -72,7 +72,7 @@ private:
   }
   void read(void* to, std::size_t count) {
     if (count > bytes_.size())
-      throw std::logic_error("a mesh was cut short on its way");
+      throw std::logic_error("the packed mesh is truncated");
     std::memcpy(to, bytes_.data(), count);
     bytes_.remove_prefix(count);
   }

@@ -15,8 +15,8 @@ struct RawMesh {
   std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows of `points`
   /// Name of a boundary group → its facets (facets × dim), rows of `points`.
   std::map<std::string, std::vector<std::int64_t>> facets;
-  /// Name of a group of cells → its ranges of rows of `cells` (ranges × 2), ascending: first row, last row +
-  /// 1.
+  /// Name of a group of cells → ranges of rows of `cells` (ranges × 2), ascending. A range is stored as its
+  /// first row and its last row + 1.
   std::map<std::string, std::vector<std::int64_t>> parts;
   std::map<std::string, int> other_groups; ///< names of groups of lower dimensions → dimension
   /// Dimension → name of an unusable group of cells or facets → reason and remedy, as the predicate of a

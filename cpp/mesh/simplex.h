@@ -32,7 +32,7 @@ public:
   /// det J, m^dim; its sign depends on the order of the vertices.
   [[nodiscard]] double determinant() const { return determinant_; }
 
-  /// Product of the lengths of the edges at vertex 0, m^dim: the scale of volume().
+  /// Product of the lengths of the edges at vertex 0, m^dim: the scale of abs_determinant().
   [[nodiscard]] double edge_product() const {
     double product = 1;
     for (int e = 0; e < dim_; ++e)
@@ -41,7 +41,7 @@ public:
   }
 
   /// |det J|, m^dim: dim! times the area or volume of the simplex.
-  [[nodiscard]] double volume() const { return std::abs(determinant_); }
+  [[nodiscard]] double abs_determinant() const { return std::abs(determinant_); }
 
   /// Gradient of the barycentric coordinate of vertex i, 1/m.
   [[nodiscard]] Point gradient(int i) const {

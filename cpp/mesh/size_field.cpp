@@ -26,7 +26,7 @@ double volume_of(const SizeField& field, std::size_t cell) {
   const std::int64_t* corners = &field.cells[cell * (static_cast<std::size_t>(field.dim) + 1)];
   const Simplex simplex(field.dim,
                         [&](int i) { return &field.points[3 * static_cast<std::size_t>(corners[i])]; });
-  return simplex.volume() / (field.dim == 2 ? 2 : 6);
+  return simplex.abs_determinant() / (field.dim == 2 ? 2 : 6);
 }
 
 struct Point {

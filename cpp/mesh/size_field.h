@@ -35,11 +35,11 @@ void limit_growth(SizeField& field);
 /// `body`: path that is absolute or relative to the new file; `metres`: length of the unit of both files, m.
 std::string geo_with_sizes(const SizeField& field, const std::filesystem::path& body, double metres);
 
-/// Computes the sizes that reduce an error to `reduction` times its value with the fewest cells.
-/// `indicators`: contribution of each cell that this rank owns to the error, which falls as the square of the
-/// size. Sizes are proportional to (indicator per volume and size²)^(−1/(dim + 2)), limited as by
-/// limit_growth(); they are at most `reach` times larger or smaller than those of `mesh`. Returns the sizes
-/// on rank 0, an empty field on other ranks. Collective.
+/// Computes the sizes that reduce an error to `reduction` times its value with the fewest cells. The error is
+/// assumed to fall as the square of the size. `indicators`: contribution to the error of each cell that this
+/// rank owns. Sizes are proportional to (indicator/h^(dim + 2))^(−1/(dim + 2)), with h the present size,
+/// limited as by limit_growth(); they are at most `reach` times larger or smaller than those of `mesh`.
+/// Returns the sizes on rank 0, an empty field on other ranks. Collective.
 SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double reduction, double reach);
 
 /// Computes sizes like the collective sizes_by(), for cells that are all on this rank. `mesh`: cells without

@@ -16,11 +16,12 @@ class BundleMethod {
 public:
   using Vector = typename P::Vector;
 
-  /// Starts the method at `at`, with the cut there as the only one. `length`: length of a long step; radii of
-  /// balls are relative to it.
+  /// Starts the method at `at`, whose cut is the only one at first. `length`: length of the longest step so
+  /// far, to which radii of balls are relative.
   BundleMethod(const Options& options, const P& problem, const Iterate<P>& at, double length)
-      : options_(options), length_(length), bounds_at_(share(at.u)), held_{share(negative(at.g))},
-        span_(options.bundle.dependent), model_(options.bundle, {cut(problem, at.g)}) {}
+      : options_(options), length_(length), blocked_at_(share(at.u)),
+        blocking_directions_{share(negative(at.g))}, span_(options.bundle.dependent),
+        model_(options.bundle, {cut(problem, at.g)}) {}
 
   /// Creates an empty method, to be read from an archive by serialize().
   explicit BundleMethod(const Options& options)
@@ -29,28 +30,28 @@ public:
   template <class Archive>
   void serialize(Archive& archive) {
     archive("bundle/length", length_);
-    archive("bundle/bounds_at", bounds_at_);
-    serialize_list(archive, "bundle/active_bounds", held_,
+    archive("bundle/bounds_at", blocked_at_);
+    serialize_list(archive, "bundle/active_bounds", blocking_directions_,
                    [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
     span_.serialize(archive, "bundle/span");
     model_.serialize(archive);
     archive("bundle/rounds", rounds_);
     archive("bundle/unconfirmed", unconfirmed_);
     archive("bundle/distance", distance_);
-    bool smooth = smooth_.has_value();
+    bool smooth = smooth_certificate_.has_value();
     archive("bundle/is_smooth", smooth);
-    if (smooth && !smooth_)
-      smooth_.emplace();
-    if (smooth_)
-      smooth_->serialize(archive, "bundle/smooth");
+    if (smooth && !smooth_certificate_)
+      smooth_certificate_.emplace();
+    if (smooth_certificate_)
+      smooth_certificate_->serialize(archive, "bundle/smooth");
   }
 
   /// Result of a round: a new iterate by a serious step, a certificate of stationarity, or neither.
   struct Step {
     std::optional<Iterate<P>> found{}; ///< new iterate; it is also the problem's trial
-    bool at_other_bounds = false;      ///< whether the new iterate is at more bounds than the blocked values
+    bool at_other_bounds = false;      ///< whether the step has brought unblocked values to a bound
     std::optional<Certificate<Vector>> certificate{};
-    bool over = false;                                         ///< no result now, and none in further rounds
+    bool ended = false;                                        ///< whether further rounds would give nothing
     double promised = std::numeric_limits<double>::infinity(); ///< predicted decrease of a serious step
   };
 
@@ -59,11 +60,11 @@ public:
   Step round(P& problem, const Iterate<P>& at, double first_norm) {
     const BundleOptions& options = options_.bundle;
     const double wanted = options_.tolerance * first_norm,
-                 tolerance = std::min(options_.tolerance, options.finest) * first_norm,
-                 ball = Options::ball(std::min(options_.tolerance, options.finest)) * length_;
+                 tolerance = std::min(options_.tolerance, options.largest_tolerance) * first_norm,
+                 ball = Options::ball(std::min(options_.tolerance, options.largest_tolerance)) * length_;
     if (rounds_++ == options.rounds)
       return over();
-    if (!smooth_)
+    if (!smooth_certificate_)
       if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), certificate_ball());
           shortest.length <= wanted) {
         auto certificate = confirmed(problem, at, shortest.weights, wanted);
@@ -71,7 +72,7 @@ public:
           return ++unconfirmed_ == options.unconfirmed ? over() : Step();
         if (!stationary_between(problem, *certificate, wanted))
           return {.certificate = std::move(certificate)};
-        smooth_ = std::move(certificate);
+        smooth_certificate_ = std::move(certificate);
       }
     const auto [direction, d] = downhill(problem, at);
     if (direction.subgradient.length > options.model_part * tolerance &&
@@ -81,7 +82,7 @@ public:
         step.promised = direction.predicted;
         rounds_ = unconfirmed_ = 0;
         distance_ = 0;
-        smooth_.reset();
+        smooth_certificate_.reset();
       }
       return step;
     }
@@ -89,7 +90,8 @@ public:
                                   options.gathered_part * tolerance / model_.curvature().largest());
     if (distance_ > 0 && distance_ <= least)
       return over();
-    distance_ = std::max(least, distance_ > 0 ? options.nearer * distance_ : options.farthest * ball);
+    distance_ =
+        std::max(least, distance_ > 0 ? options.distance_factor * distance_ : options.first_distance * ball);
     gather_around(problem, at, direction.subgradient.weights, distance_);
     return {};
   }
@@ -110,13 +112,13 @@ private:
   /// Returns the radius of the ball in which a certificate gathers gradients.
   double certificate_ball() const { return Options::ball(options_.tolerance) * length_; }
 
-  /// Returns the step that ends the rounds.
-  Step over() { return {.certificate = std::move(smooth_), .over = true}; }
+  /// Returns the result that ends the rounds, with the certificate smooth_certificate_ if there is one.
+  Step over() { return {.certificate = std::move(smooth_certificate_), .ended = true}; }
 
   /// Returns x with its blocked values set to zero.
   Vector unblocked(const P& problem, Vector x) const {
-    for (const Shared<Vector>& d : held_)
-      problem.zero_blocked(x, *bounds_at_, *d);
+    for (const Shared<Vector>& d : blocking_directions_)
+      problem.zero_blocked(x, *blocked_at_, *d);
     return x;
   }
 
@@ -134,7 +136,7 @@ private:
   /// A point projected onto the bounds.
   struct BoundedPoint {
     Vector u;                        ///< point within the bounds
-    std::optional<Vector> outside{}; ///< part beyond the bounds
+    std::optional<Vector> outside{}; ///< part of the point beyond the bounds; absent if there is none
   };
 
   /// Returns the point `at` plus t times `offset`, projected onto the bounds.
@@ -161,8 +163,8 @@ private:
   }
 
   /// Returns the certificate with these weights of the cuts if newly evaluated gradients confirm it.
-  /// Otherwise these gradients become the cuts of a new model, in which only those values are blocked that
-  /// their combination pushes out of the bounds.
+  /// Otherwise these gradients become the cuts of a new model. With bounds, only those values remain blocked
+  /// that the negative of the gradients' combination pushes out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
                                                const std::vector<double>& weights, double tolerance) {
     std::vector<Cut> gathered_anew; // in full, including blocked values
@@ -185,7 +187,7 @@ private:
       model_ = BundleModel(options_.bundle, std::move(cuts));
       return std::nullopt;
     }
-    held_ = {share(negative(std::move(gathered.sum)))};
+    blocking_directions_ = {share(negative(std::move(gathered.sum)))};
     const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
     std::vector<Cut> cuts{cut(problem, at.g)};
     for (const Cut& anew : gathered_anew) {
@@ -198,7 +200,7 @@ private:
 
   /// Also blocks the values that d pushes out of the bounds.
   void block(const P& problem, const Vector& d) {
-    held_.push_back(share(d));
+    blocking_directions_.push_back(share(d));
     const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
     std::vector<Cut> cuts = model_.cuts();
     for (Cut& cut : cuts) {
@@ -209,8 +211,9 @@ private:
     model_ = BundleModel(options_.bundle, std::move(cuts));
   }
 
-  /// Returns the minimiser of the model, and its vector unless it is zero. Adds Hessian products until the
-  /// model's curvature along the direction is accurate or their number reaches its limit.
+  /// Returns the minimiser of the model in coordinates and as a vector, which is absent if the minimiser is
+  /// zero. Adds Hessian products until the model's curvature along the direction is accurate or their number
+  /// reaches its limit.
   std::pair<Direction, std::optional<Vector>> downhill(P& problem, const Iterate<P>& at) {
     for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
@@ -234,10 +237,11 @@ private:
   Step follow(P& problem, const Iterate<P>& at, const Direction& direction, const Vector& d) {
     const BundleOptions& options = options_.bundle;
     int null_steps = 0;
-    for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
+    for (double t = 1; t * direction.predicted > options_.negligible(at.objective);
+         t *= options.length_factor) {
       const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
       auto [u, outside] = point(problem, at, t, d);
-      // Also where a bound is met exactly: block() cannot block values that are free at bounds_at_.
+      // Also where a bound is met exactly: block() cannot block values that are free at blocked_at_.
       const bool at_other_bounds =
           outside || (problem.bounded() && outward(problem, u, tangential(problem, at.u, d)) > 0);
       const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
@@ -250,7 +254,7 @@ private:
         continue;
       const Coordinates g = coordinates(problem, problem.trial_gradient());
       if (!std::isfinite(norm(g))) // the model has lost its curvature to rounding and leads far away
-        return {.over = true};
+        return {.ended = true};
       // A cut above J at the current point is invalid there: a shorter step meets the selection in between.
       if (model_.null_step(g, s, Hs, decrease) <= 0 || ++null_steps == options.null_steps)
         break;
@@ -259,8 +263,8 @@ private:
   }
 
   /// Replaces cuts that were gathered farther than `distance` from the current point and carry the model's
-  /// minimum with these weights. For each, gathers a new gradient at that distance, where the old cut is the
-  /// highest.
+  /// minimum with these weights. For each, a new gradient is gathered at that distance, in a direction in
+  /// which the old cut rises above the others.
   void gather_around(P& problem, const Iterate<P>& at, const std::vector<double>& weights, double distance) {
     for (Coordinates& offset : model_.drop_distant(weights, distance)) {
       auto [u, outside] = point(problem, at, offset);
@@ -272,15 +276,16 @@ private:
   }
 
   Options options_;
-  double length_ = 0; ///< length of a long step
-  Shared<Vector> bounds_at_;
-  std::vector<Shared<Vector>> held_; ///< directions that push blocked values out at bounds_at_
+  double length_ = 0; ///< length of the longest step when the method started
+  Shared<Vector> blocked_at_;
+  /// Directions. A value is blocked if one of them points out of the value's bounds at the point blocked_at_.
+  std::vector<Shared<Vector>> blocking_directions_;
   Span<P> span_;
   BundleModel model_;
   int rounds_ = 0, unconfirmed_ = 0; ///< numbers of rounds and unconfirmed certificates in the present step
   double distance_ = 0;              ///< distance at which gradients were gathered last; 0: none yet
-  /// Valid certificate, but J may descend within one smooth selection.
-  std::optional<Certificate<Vector>> smooth_{};
+  /// Confirmed certificate whose points may be on one smooth selection, along which J may still descend.
+  std::optional<Certificate<Vector>> smooth_certificate_{};
 };
 
 } // namespace signorini::optimize

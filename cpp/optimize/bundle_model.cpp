@@ -218,7 +218,7 @@ std::vector<Coordinates> BundleModel::restrict(std::size_t dimension, std::size_
       others.push_back(std::move(cuts_[i]));
   std::ranges::stable_sort(others, std::greater(), [this](const Cut& cut) { return at_minimiser(cut); });
   std::vector<std::pair<Coordinates, Coordinates>> pairs;
-  const auto& known = curvature_.pairs();
+  const auto& known = curvature_.directions_with_products();
   for (std::size_t i = 0; i < std::max(others.size(), known.size()); ++i) { // alternately
     if (i < known.size()) {
       const auto& [d, y] = known[known.size() - 1 - i];

@@ -25,7 +25,9 @@ public:
   void forget_oldest() { known_.erase(known_.begin()); }
 
   /// Returns the pairs (d, H d), the oldest first.
-  [[nodiscard]] const std::vector<std::pair<Coordinates, Coordinates>>& pairs() const { return known_; }
+  [[nodiscard]] const std::vector<std::pair<Coordinates, Coordinates>>& directions_with_products() const {
+    return known_;
+  }
   /// Replaces the pairs; the least and the largest curvature do not change.
   void set_pairs(std::vector<std::pair<Coordinates, Coordinates>> pairs) { known_ = std::move(pairs); }
 
@@ -84,8 +86,9 @@ struct Direction {
 [[nodiscard]] std::optional<Direction> model_minimiser(std::span<const Cut> cuts, std::vector<double> B,
                                                        std::size_t n);
 
-/// Returns an offset of length `length` along which cut i rises above the other cuts of `carrying`. Returns
-/// nothing if there are no others or the differences of their gradients from that of i are dependent.
+/// Returns an offset of length `length` along which cut i rises above all other cuts in `carrying`, a list of
+/// indices. Returns nothing if there are no others, or if the differences between the gradient of cut i and
+/// theirs are linearly dependent.
 [[nodiscard]] std::optional<Coordinates> offset_above(std::span<const Cut> cuts, std::size_t i,
                                                       std::span<const std::size_t> carrying, double length);
 
@@ -103,8 +106,8 @@ public:
   [[nodiscard]] const std::vector<Cut>& cuts() const { return cuts_; }
   [[nodiscard]] const Curvature& curvature() const { return curvature_; }
 
-  /// Returns the minimiser of the model in a space of n dimensions. Drops the oldest pairs of the curvature
-  /// until H is positive definite. Throws SolverFailure.
+  /// Returns the minimiser of the model in a space of n dimensions, with the matrix B of curvature() as H.
+  /// Drops the oldest pairs of the curvature until B is positive definite. Throws SolverFailure.
   [[nodiscard]] Direction minimise(std::size_t n);
 
   /// Adds the Hessian product `Hd` of a direction to the curvature and corrects the direction's predicted
@@ -122,7 +125,8 @@ public:
 
   /// Drops cuts that carry the model's minimum with these weights and were gathered farther than `distance`
   /// from the current point, since cuts of distant gradients may be invalid here. For each dropped cut,
-  /// returns an offset of length `distance` at which it is the highest.
+  /// returns an offset of length `distance` along which it rises above the other cuts that carry the minimum,
+  /// if offset_above() finds one.
   std::vector<Coordinates> drop_distant(const std::vector<double>& weights, double distance);
 
   /// Restricts the model to a subspace of at most `dimension` dimensions. Up to `carried` of these belong to
@@ -153,7 +157,7 @@ private:
   BundleOptions options_;
   Curvature curvature_;
   std::vector<Cut> cuts_;      ///< never empty: the first is that of the current point
-  Coordinates last_minimiser_; ///< its offset from the current point
+  Coordinates last_minimiser_; ///< offset of the model's last nonzero minimiser from the current point
 };
 
 } // namespace signorini::optimize

@@ -7,9 +7,9 @@
 
 namespace signorini::optimize {
 
-/// Convex combination of the gradients of the last iterates, the latest first, with its length.
+/// Convex combination of the gradients at the last iterates, and its length.
 struct PathCombination {
-  std::vector<double> weights; ///< weights of the iterates' gradients; their sum is 1
+  std::vector<double> weights; ///< weights from the latest iterate backwards; their sum is 1
   double length = 0;
 };
 
@@ -17,7 +17,7 @@ template <Differentiable P>
 struct Search {
   std::optional<Iterate<P>> found; ///< accepted trial; it is also the problem's trial
   double length = 0;               ///< step length t
-  double promised = 0;             ///< −slope/2: decrease of a quadratic with its minimum at t = 1
+  double predicted_decrease = 0;   ///< −slope/2: decrease of a quadratic with its minimum at t = 1
   bool solver_failed = false;      ///< whether a solver failed in the last trial
 };
 
@@ -28,10 +28,10 @@ struct Search {
 template <Differentiable P>
 [[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d,
                                           const Options& options) {
-  const auto& [sufficient, flatter] = options.wolfe;
+  const auto& [sufficient, curvature_condition] = options.wolfe;
   const double slope = problem.inner(from.g, d), least = options.negligible(from.objective);
   Search<P> search;
-  search.promised = -slope / 2;
+  search.predicted_decrease = -slope / 2;
   double low = 0, high = std::numeric_limits<double>::infinity();
   bool collapsed = false;
   for (double t = 1; -slope * t > least;) {
@@ -46,7 +46,8 @@ template <Differentiable P>
     };
     if (decrease > 0 && decrease >= sufficient * tangent()) {
       typename P::Vector g = problem.trial_gradient();
-      const bool steep = problem.inner(g, tangential(problem, trial, d)) < flatter * slope; // false for NaN
+      const bool steep =
+          problem.inner(g, tangential(problem, trial, d)) < curvature_condition * slope; // false for NaN
       if (!steep || collapsed) {
         search.found.emplace(std::move(trial), *value, std::move(g));
         search.length = t;
@@ -65,14 +66,15 @@ template <Differentiable P>
 }
 
 /// Descent by line searches along the directions of `Method`, until the gradients of the last iterates have a
-/// short convex combination. If a search fails, the method restarts with steepest descent. If that fails too,
-/// or steps have become short, as they do among kinks, a bundle method takes over and ends with a certificate
-/// (docs/method.md section 6).
+/// short convex combination. If a line search fails, the method restarts with steepest descent. If that fails
+/// too, or steps have become short, as they do among kinks, a bundle method takes over and ends with a
+/// certificate (docs/method.md section 6).
 ///
-/// `Method` provides: direction(problem, at), tangential and as long as the first trial step; learn(problem,
-/// from, to, t), called after the step t along it; restart(), which returns false if the last direction was
-/// steepest descent; store_at_most(vectors); serialize(archive). A method that remembers the last iterates
-/// also provides path_combination(problem, at, radius) and before(at, steps).
+/// `Method` provides: direction(problem, at), a vector d that is tangential to the bounds and as long as the
+/// first trial step; learn(problem, from, to, t), called after the step from u to u + t d (t = 1: that
+/// trial); restart(), which returns false if the last direction was steepest descent; store_at_most(vectors);
+/// serialize(archive). A method that remembers the last iterates also provides path_combination(problem, at,
+/// radius) and before(at, steps).
 template <TwiceDifferentiable P, class Method>
 class Descent {
 public:
@@ -85,7 +87,7 @@ public:
   std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
     std::optional<Iterate<P>> next;
-    double t = 1, promised = std::numeric_limits<double>::infinity();
+    double t = 1, predicted_decrease = std::numeric_limits<double>::infinity();
     if (!options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       return Result<Vector>{Stop::short_steps};
     if constexpr (requires { method_.path_combination(problem, current, t); })
@@ -106,14 +108,14 @@ public:
       else
         return Result<Vector>{Stop::short_steps};
       t = search.length;
-      promised = search.promised;
+      predicted_decrease = search.predicted_decrease;
       next = std::move(search.found);
     }
     if (!next) {
       Step step = bundle_->round(problem, current, state.first_norm);
       if (step.certificate)
         return Result<Vector>{Stop::kink, std::move(step.certificate)};
-      if (step.over) {
+      if (step.ended) {
         if (fresh_)
           return Result<Vector>{Stop::no_decrease};
         take_over(problem, current);
@@ -123,7 +125,7 @@ public:
       fresh_ = false;
       if (step.at_other_bounds)
         bundle_.reset();
-      promised = step.promised;
+      predicted_decrease = step.promised;
       next = std::move(step.found);
     }
     problem.accept();
@@ -132,7 +134,7 @@ public:
     short_steps_ = length < options_.bundle.short_step * longest_ ? short_steps_ + 1 : 0;
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
-                       stationarity(problem, current.u, current.g), t, promised};
+                       stationarity(problem, current.u, current.g), t, predicted_decrease};
     if (!bundle_ && options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       take_over(problem, current);
     return std::nullopt;
@@ -146,7 +148,8 @@ public:
     method_.inherit(other.method_, problem, interpolate);
   }
 
-  /// Drops vectors if nearly as many are stored as may be.
+  /// Drops vectors of the bundle method and of `Method`, so that both together store at most
+  /// Options::vectors. Has no effect before the bundle method takes over.
   void make_room() {
     if (!bundle_)
       return;
@@ -176,7 +179,8 @@ private:
   std::optional<Certificate<Vector>> path_certificate(P& problem, const Iterate<P>& at, double tolerance) {
     const double radius = Options::ball(options_.tolerance) * longest_;
     const auto combination = method_.path_combination(problem, at, radius);
-    if (!combination || combination->length > tolerance * std::pow(options_.bundle.again, unconfirmed_))
+    if (!combination ||
+        combination->length > tolerance * std::pow(options_.bundle.length_reduction, unconfirmed_))
       return std::nullopt;
     GatheredGradients<P> gathered = gather(
         problem, at, combination->weights,

@@ -9,9 +9,10 @@
 namespace signorini::optimize {
 
 /// L-BFGS directions by the two-loop recursion (Nocedal 1980), in the problem's product and on the values
-/// that bounds do not block (Bertsekas 1982). Pairs are stored without blocked values. When the set of
-/// blocked values no longer changes, the method is that of the reduced problem. The applied operator is a
-/// principal part of a positive definite one, so that J descends along the directions for any pairs.
+/// that bounds do not block (Bertsekas 1982). Blocked values are set to zero in the pairs that are stored.
+/// Once the set of blocked values no longer changes, the method is L-BFGS for the problem reduced to the
+/// other values. The approximation of the inverse Hessian is positive definite for any pairs, and so is its
+/// restriction to the values that are not blocked. Therefore all directions are descent directions.
 ///
 /// The recursion works on coefficients of the stored vectors, with their Gram matrix (Chen, Wang, Zhou 2014).
 /// A direction reads the stored vectors twice, a new pair reads them once; computing products one by one
@@ -55,9 +56,9 @@ public:
   }
 
   /// Returns the shortest convex combination of the gradients of `at` and of earlier iterates within `radius`
-  /// of it, on values that are not blocked (Lewis, Overton 2013, section 6.3). Gradients and positions come
-  /// from the rounded pairs, at the cost of one product for each vector. Returns nothing if no earlier
-  /// iterate is within `radius`.
+  /// of it, on values that are not blocked (Lewis, Overton 2013, section 6.3). Gradients and positions of the
+  /// earlier iterates are computed from the stored pairs, which are rounded to single precision. This costs
+  /// one product for each stored vector. Returns nothing if no earlier iterate is within `radius`.
   [[nodiscard]] std::optional<PathCombination> path_combination(const U& unknowns, const Iterate<U>& at,
                                                                 double radius) const {
     const std::size_t n = vectors_.size(), steps = std::min(static_cast<std::size_t>(unbroken_), n / 2);

@@ -7,11 +7,11 @@
 
 namespace signorini::optimize {
 
-/// Units of a search: a length L of controls, and a multiple s of the gradient, in units of a control squared
-/// over J. The unit of J is then L²/s, the unit of gradients L/s.
+/// Units in which a search measures: L is a length of controls, and s is a factor that turns a gradient into
+/// a step of a control. The unit of J is then L²/s, the unit of gradients L/s.
 struct SearchUnits {
-  double length = 1; ///< L
-  double step = 1;   ///< s
+  double length = 1; ///< L, a length of controls
+  double step = 1;   ///< s, factor that turns a gradient into a step
 
   /// Returns the unit of J, L²/s.
   [[nodiscard]] double objective() const { return length * length / step; }
@@ -25,15 +25,15 @@ struct SearchUnits {
   }
 };
 
-/// Returns the units of the problem at its current point u, with J = `objective` and gradient g there, by one
-/// Hessian product. L is the length of Cauchy's step, which minimises J's quadratic model along steepest
-/// descent, after projection onto the bounds. s is the factor for which s g has the length L. Both
+/// Returns the units of the problem at its current point u, where J = `objective` and the gradient is g.
+/// Makes one Hessian product. Let d be −g without the values that bounds block. Cauchy's step is the
+/// minimiser of J's quadratic model along d, projected onto the bounds; L is its length, and s = L/‖d‖. Both
 /// depend on u, J and the bounds but not on the mesh, and scale with the units of u and J. Adding a constant
-/// to all controls and bounds changes nothing.
+/// to all controls and bounds changes nothing. If u is stationary, both are 1.
 ///
-/// The Hessian may be singular. If J is a sum of squares, as it is with frozen active sets, it still has
-/// curvature along its gradient, and the step is at most 2 J/‖g‖² times the gradient. This bound is used if
-/// no curvature is found.
+/// The Hessian may be singular. But with frozen active sets J is a sum of squares, which has curvature along
+/// its gradient, so that Cauchy's step is at most 2 J/‖g‖² times the gradient. This bound is used if no
+/// curvature is found.
 template <TwiceDifferentiable P>
 [[nodiscard]] SearchUnits measured(P& problem, const typename P::Vector& u, double objective,
                                    const typename P::Vector& g) {
@@ -50,9 +50,10 @@ template <TwiceDifferentiable P>
                                              : SearchUnits();
 }
 
-/// Problem in dimensionless form, so that no method depends on the units of u and J. A control of length L, a
-/// curvature of 1/s and a J of L²/s become 1. Controls and their bounds are unchanged. Products are divided
-/// by L², J is divided by L²/s, and gradients are multiplied by s, which gives them the length of a step.
+/// Problem in dimensionless form, so that no method depends on the units of u and J. Controls and their
+/// bounds are unchanged, but inner products are divided by L², so that a control of length L has length 1. J
+/// is divided by L²/s, and gradients are multiplied by s, which gives them the length of a step. A curvature
+/// of 1/s becomes 1.
 template <TwiceDifferentiable P>
 class Dimensionless {
 public:
@@ -153,8 +154,8 @@ std::optional<Stop> ended(const State<U, Memory>& state, const Options& options)
 }
 
 /// Evaluates J and its gradient at state.current.u, where the search starts or, with `restored`, continues.
-/// `inherited`: units and first norm of the state come from another search. Returns J in the units of the
-/// given problem. Throws SolverFailure, Interrupted.
+/// `inherited`: whether units and first norm of the state come from another search. Returns J in the units of
+/// the given problem. Throws SolverFailure, Interrupted.
 template <TwiceDifferentiable P, class Memory>
 double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored,
              bool inherited) {
@@ -182,21 +183,23 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// not depend on the units of u and J. `report`, checkpointer.restored() and the result are in the units of
 /// the given problem.
 ///
-/// Method(options).advance(problem, state) makes one iteration, or one round of an iteration. It moves
-/// state.current, state.iteration and the problem's current point, or returns the end of the search.
-/// make_room() is called before each advance() and may drop stored vectors. `report(iteration)` is called for
-/// the first guess and for each iterate that this call accepts; if it returns a bool, false ends the search.
+/// Method(options).advance(problem, state) makes one iteration, or one round of an iteration. If it finds a
+/// new iterate, it moves state.current, state.iteration and the problem's current point. It returns a result
+/// only if the search ends. make_room() is called before each advance() and may drop stored vectors.
+/// `report(iteration)` is called for the first guess and for each iterate that this call accepts. If `report`
+/// returns a bool, false ends the search.
 ///
 /// checkpointer.restore(state) reads a state and returns whether there was one. checkpointer.restored(stored,
-/// found) receives J at the restored point, as stored and as evaluated. checkpointer.mark() announces that a
-/// state stored before the next mark is the present one. checkpointer.store(state) is called if
-/// checkpointer.due(iteration) is true and when the search ends. checkpointer.certified(certificate) receives
-/// a certificate; the state stored then does not contain the method's state. A search restored from that
-/// state ends at once, without a certificate, unless its tolerance is smaller.
+/// found) receives J at the restored point, as stored and as evaluated. checkpointer.mark() is called at
+/// the start of each round: a state that is stored before the next mark is the state at this mark.
+/// checkpointer.store(state) is called if checkpointer.due(iteration) is true and when the search ends. If a
+/// certificate ends the search, checkpointer.certified(certificate) receives it, and the state that is stored
+/// at the end does not contain the method's state. A search restored from this state ends at once, without a
+/// certificate, unless its tolerance is smaller.
 ///
-/// If there is no checkpoint, the search continues from `inherited`, if given, where another search ended. If
-/// the problem throws Interrupted, the search ends with the last accepted iterate. Throws SolverFailure if J
-/// or its gradient is not finite. Collective if the problem is.
+/// `inherited`: units, first norm and method with which another search ended, used if there is no checkpoint.
+/// If the problem throws Interrupted, the search ends with the last accepted iterate. Throws SolverFailure if
+/// J or its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>
@@ -217,7 +220,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
     Iteration shown = state.iteration;
     shown.objective *= state.units.objective();
     shown.gradient_norm *= state.units.gradient();
-    shown.promised *= state.units.objective();
+    shown.predicted_decrease *= state.units.objective();
     if constexpr (std::is_same_v<std::invoke_result_t<Report&, const Iteration&>, bool>)
       enough = !report(shown);
     else

@@ -23,12 +23,13 @@ public:
     Vector r = tangential(problem, at.u, down);
     double rr = problem.inner(r, r);
     const double first = std::sqrt(rr);
-    first_ = std::max(first_, first);
+    largest_norm_ = std::max(largest_norm_, first);
     if (steepest_) {
       r.scale(radius_ / first);
       return r;
     }
-    const double enough = std::min(options_.residual, std::pow(first / first_, options_.order)) * first;
+    const double enough =
+        std::min(options_.residual, std::pow(first / largest_norm_, options_.order)) * first;
     Vector d = r, p = r;
     d.scale(0);
     double dd = 0, dp = 0, pp = rr;
@@ -66,9 +67,9 @@ public:
     if (std::exchange(steepest_, false) || t < 1)
       radius_ = length;
     else if (ratio < options_.poor)
-      radius_ = length / options_.change;
+      radius_ = length / options_.radius_factor;
     else if (t > 1 || (on_boundary_ && ratio > options_.good))
-      radius_ = std::max(radius_, options_.change * length);
+      radius_ = std::max(radius_, options_.radius_factor * length);
   }
 
   /// Does nothing: no vectors are stored.
@@ -77,23 +78,23 @@ public:
   /// Takes over the trust region of a search on another problem.
   void inherit(const TruncatedNewton& other, const P&, const auto&) {
     radius_ = other.radius_;
-    first_ = other.first_;
+    largest_norm_ = other.largest_norm_;
   }
 
-  /// Makes the next direction steepest descent; returns false if the last direction was that already.
+  /// Makes the next direction steepest descent. Returns false if the last direction was steepest descent.
   bool restart() { return !std::exchange(steepest_, true); }
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive("newton-cg/radius", radius_);
-    archive("newton-cg/first", first_);
+    archive("newton-cg/first", largest_norm_);
     archive("newton-cg/steepest", steepest_);
   }
 
 private:
   NewtonOptions options_;
   double radius_ = options_.radius; ///< radius of the trust region
-  double first_ = 0;                ///< largest gradient norm so far, on values that are not blocked
+  double largest_norm_ = 0;         ///< largest gradient norm so far, without the values that bounds block
   double predicted_ = 0;            ///< decrease of the quadratic model along the last direction
   bool on_boundary_ = false, steepest_ = false;
 };

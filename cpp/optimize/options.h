@@ -12,24 +12,27 @@ struct GradientOptions {
   /// Least ratio of the actual to the predicted decrease of an accepted step. It is small, so that a sweep
   /// that decreased J is not wasted.
   double sufficient = 0.1;
-  /// Largest factor by which a step changes ω, since a ratio measured at a kink hardly predicts the next one.
-  double change = 10;
+  /// Largest factor by which a step changes ω. It is limited, since the ratio of one step that crosses a kink
+  /// hardly predicts the ratio of the next step.
+  double omega_factor = 10;
   /// Least factor of ω after a rejected step, which at least halves the next step.
   double after_rejection = 2;
 };
 
-/// Options of the weak-Wolfe search (descent.h), 0 < sufficient < flatter < 1 (Lewis, Overton 2013). The
-/// values are those of Nocedal, Wright (2006), section 3.1, for Newton and quasi-Newton directions.
+/// Options of the weak-Wolfe search (descent.h), 0 < sufficient < curvature_condition < 1 (Lewis, Overton
+/// 2013). The values are those of Nocedal, Wright (2006), section 3.1, for Newton and quasi-Newton
+/// directions.
 struct WolfeOptions {
-  double sufficient = 1e-4; ///< least decrease relative to that of J's tangent
-  double flatter = 0.9;     ///< largest final slope relative to the initial one; a smaller value costs sweeps
+  double sufficient = 1e-4; ///< least decrease of J, relative to the decrease of J's tangent
+  /// Steepest final slope, relative to the initial one; small values cost sweeps.
+  double curvature_condition = 0.9;
 };
 
 /// Options of L-BFGS directions (lbfgs.h).
 struct LbfgsOptions {
   /// Number of stored pairs of steps and gradient differences, at the upper end of the 3 to 20 of Nocedal,
-  /// Wright (2006), section 7.2. Products with pairs cost nothing compared with a sweep, only the memory of
-  /// 40 controls.
+  /// Wright (2006), section 7.2. Products with pairs cost no noticeable time compared with a sweep. Pairs
+  /// cost the memory of 40 controls.
   std::size_t pairs = 20;
   /// Least cosine between step and gradient difference of a stored pair, √ε; below it rounding decides the
   /// sign of the curvature.
@@ -41,14 +44,14 @@ struct NewtonOptions {
   /// Largest number of Hessian products for one direction; each costs two sweeps. The limit matters if
   /// curvatures spread so widely that conjugate gradients do not reach the residual.
   int products = 200;
-  /// Largest residual relative to the gradient, and its order in ‖g‖, for convergence of order 1.25 (Dembo,
-  /// Eisenstat, Steihaug 1982). The values are looser than the usual 0.5 order, since more accuracy is wasted
-  /// where active sets change.
+  /// Conjugate gradients stop at the relative residual min(`residual`, r^`order`), where r is ‖g‖ divided by
+  /// the largest ‖g‖ so far. Convergence is then of order 1.25 (Dembo, Eisenstat, Steihaug 1982). The order
+  /// is below the usual 0.5, since more accuracy is wasted where active sets change.
   double residual = 0.2, order = 0.25;
   /// Ratios of the actual to the predicted decrease below and above which the trust radius is changed, and
   /// the factor of the change (Nocedal, Wright 2006, algorithm 4.1). The radius is halved rather than divided
   /// by 4, since the line search has already shortened poor steps.
-  double poor = 0.25, good = 0.75, change = 2;
+  double poor = 0.25, good = 0.75, radius_factor = 2;
   /// First radius of the trust region. In the search's units, the first conjugate gradient step of a search
   /// is Cauchy's step, of length 1. With a radius of 1, rounding would decide whether that step lies within
   /// the region.
@@ -58,58 +61,63 @@ struct NewtonOptions {
 /// Options of the bundle method at kinks (bundle_method.h), and of the switch to it (descent.h).
 struct BundleOptions {
   /// Number of consecutive short steps after which the bundle method takes over; a single one may be due to a
-  /// kink that the line search passes. A step is short if its length relative to the longest step is below
-  /// short_step. short_step is the radius, relative to the longest step, within which a
-  /// certificate of the finest tolerance gathers gradients: the method starts before steps are wasted there.
+  /// kink that the line search passes. A step is short if it is shorter than short_step times the longest
+  /// step so far. The value of short_step is Options::ball(largest_tolerance), the radius within which the
+  /// bundle method gathers gradients, since line searches with steps within this radius are wasted.
   int short_steps = 3;
   double short_step = 1e-3;
-  /// Largest tolerance with which the bundle method works, even if a larger one is asked for. The iterates
-  /// are then the same, and a certificate is found no later.
-  double finest = 1e-6;
+  /// Largest tolerance from which the bundle method derives its steps and distances. If Options::tolerance is
+  /// larger, the iterates are those for this one. Certificates are tested with Options::tolerance and are
+  /// thus found no later.
+  double largest_tolerance = 1e-6;
   /// Largest number of cuts. Where J has kinks in k directions, k + 1 cuts certify a minimum (Carathéodory);
   /// with fewer, the search drops cuts and finds them again. Quadratic programs with 40 cuts cost nothing
   /// compared with a sweep.
   std::size_t cuts = 40;
-  /// Largest dimension of the subspace, each dimension a control in memory: a gradient, a Hessian product and
-  /// an offset for each cut.
+  /// Largest dimension of the subspace. Each cut adds up to three dimensions: its gradient, a Hessian product
+  /// and its offset. Each dimension takes the memory of one control.
   std::size_t dimension = 3 * cuts;
-  /// Fractions of the largest dimension (or of Options::vectors if this is smaller). The subspace is
-  /// restricted if its dimension exceeds the first fraction, since a round adds vectors. It is restricted to
-  /// the second, since a restriction reads and writes all vectors. Cuts that carry the minimum-norm
-  /// subgradient may take up to the third.
+  /// Fractions of the largest dimension (or of Options::vectors if this is smaller). A subspace whose
+  /// dimension exceeds the fraction restrict_above is restricted before the next round, which needs room for
+  /// new vectors. The restriction is to the smaller fraction `restricted`, so that it is rarely repeated: it
+  /// reads and writes all vectors. Cuts that carry the minimum-norm subgradient may take the fraction
+  /// `carried`.
   double restrict_above = 0.75, restricted = 0.5, carried = 0.625;
-  /// Largest numbers of rounds in a step (each one or more pairs of sweeps) and of unconfirmed certificates
-  /// in a step. They end a search without progress, due to rounding of J or to selections thinner than the
-  /// ball.
+  /// Largest number of rounds in a step, and of certificates in a step that new gradients do not confirm. A
+  /// round costs one or more pairs of sweeps. These limits end a search that makes no progress because of
+  /// rounding in J, or because selections of J are thinner than the ball in which gradients are gathered.
   int rounds = 100, unconfirmed = 10;
-  /// Factor by which the required length of a combination of the last iterates' gradients shrinks after each
-  /// rejected certificate.
-  double again = 0.5;
-  /// Largest number of Hessian products for one direction; each costs two sweeps. If the model's curvature is
-  /// still wrong then, the direction is tried as it is: another cut costs less and is as useful.
+  /// A convex combination of the last iterates' gradients is tried as a certificate if it is shorter than a
+  /// limit. Each rejected certificate multiplies this limit by length_reduction.
+  double length_reduction = 0.5;
+  /// Largest number of Hessian products for one direction; each costs two sweeps. After that many, the
+  /// direction is tried even if the model's curvature along it is inaccurate: the cut from a failed trial
+  /// costs less than further products and is as useful.
   int products = 10;
   /// Least decrease of J in a serious step, relative to the model's prediction. It is larger than that of the
   /// Wolfe search, since a null step is no loss: its cut improves the model.
   double sufficient = 0.1;
-  /// Factor of the next trial length along a direction. A cut above J at the current point, from a selection
-  /// that is not convex or lies beyond another one, is invalid there; a shorter step meets the selection in
-  /// between.
-  double shorter = 0.25;
-  int null_steps = 3; ///< largest number along one direction, after which the model has a better direction
-  /// Weight above which a cut is said to carry the model's minimum: √ε, the accuracy of the weights of
-  /// gradients that differ by that fraction of their length.
+  /// Factor of the next trial length along a direction. A shorter trial follows if the cut from the last
+  /// trial lies above J at the current point, where it is thus invalid. The selection of J at the trial is
+  /// then not convex, or another selection lies between the two points and is met by the shorter step.
+  double length_factor = 0.25;
+  int null_steps = 3; ///< largest number along one direction; the model with their cuts then has a better one
+  /// Weight above which a cut is said to carry the model's minimum. It is √ε, since the weights of gradients
+  /// that differ by √ε of their length are accurate to √ε.
   double carrying = 1e-8;
-  /// Fractions of the tolerance. If the model's subgradient is shorter than the first fraction, gradients are
-  /// gathered at decreasing distances, down to that over which gradients change by the second. Together the
-  /// fractions are 3/4, so that the certificate is confirmed.
+  /// Fractions of the tolerance. If the model's subgradient is shorter than the fraction model_part,
+  /// gradients are gathered at decreasing distances from the current point. The least is the distance over
+  /// which a gradient changes by the fraction gathered_part, unless least_distance is larger. The sum of both
+  /// fractions is below 1, so that new gradients confirm the certificate.
   double model_part = 0.5, gathered_part = 0.25;
   /// First and least distance at which gradients are gathered, relative to the ball's radius, and the factor
-  /// of the next distance. Small distances first would meet only selections that the model contains and lose
-  /// the cuts of the others. At the least distance, 1e-9 of the longest step, differences of J still exceed
-  /// rounding.
-  double farthest = 0.3, nearer = 0.1, least_distance = 1e-6;
-  /// Relative rounding of offsets and directions. They are differences of controls that are 1/ball times as
-  /// long, with an error of ε/ball = 2e-12 for a ball of radius 1e-4.
+  /// of the next distance. The first distance is large, since gathering drops farther cuts: at a small
+  /// distance all new gradients may belong to selections that the model contains already, and the other
+  /// selections would be lost. At the least distance, 1e-9 of the longest step if the tolerance is
+  /// `largest_tolerance`, differences of J still exceed rounding.
+  double first_distance = 0.3, distance_factor = 0.1, least_distance = 1e-6;
+  /// Bound of the relative rounding error of offsets and directions. They are differences of controls that
+  /// are about 1/r times as long, where r is the ball's radius, and have errors of ε/r (2e-12 for r = 1e-4).
   double rounding = 1e-9;
   /// Distance from the subspace, relative to the length of a vector, below which the vector belongs to the
   /// subspace. It covers rounding of an orthogonalisation, ε times the dimension, with a margin.

@@ -17,7 +17,7 @@ public:
 
   /// Makes one iteration, as minimize() defines it. Returns the result if the search ends.
   std::optional<Result<typename P::Vector>> advance(P& problem, State<P, ProjectedGradient>& state) {
-    const auto& [sufficient, change, after_rejection] = options_.gradient;
+    const auto& [sufficient, omega_factor, after_rejection] = options_.gradient;
     auto& [u, objective, g] = state.current;
     for (bool failed = false;;) {
       typename P::Vector trial = u;
@@ -34,8 +34,9 @@ public:
       const bool accepted = actual >= sufficient * predicted; // false for NaN
       const double exact = omega_ + 2 * (predicted - actual) / squared, used = omega_;
       omega_ = std::isfinite(exact)
-                   ? std::clamp(exact, (accepted ? 1 / change : after_rejection) * omega_, change * omega_)
-                   : change * omega_;
+                   ? std::clamp(exact, (accepted ? 1 / omega_factor : after_rejection) * omega_,
+                                omega_factor * omega_)
+                   : omega_factor * omega_;
       if (!accepted)
         continue;
       g = problem.trial_gradient();

@@ -43,9 +43,9 @@ struct GatheredGradients {
 };
 
 /// Gathers the gradients of a convex combination with these weights. The first weight belongs to the gradient
-/// at the current point `at`. For each further positive weight i, a gradient g is evaluated at `point(i)` and
-/// passed to `each(i, g)`. The certificate's length is the stationarity measure of the combination, blocked
-/// values included; it does not depend on a model.
+/// at the current point `at`. For each further weight i that is positive, the gradient g is evaluated at
+/// `point(i)` and passed to `each(i, g)`. The length of the returned certificate is the stationarity measure
+/// of the combination at `at`. It includes values that a method blocks, and does not depend on a model of J.
 template <Differentiable P, class PointOf, class Each>
 GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<double>& weights,
                             PointOf&& point, Each&& each) {
@@ -73,9 +73,9 @@ GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<
   return all;
 }
 
-/// Returns whether J is stationary at the certificate's convex combination of the points. If the points are
-/// on one smooth selection, J's gradient there is the combination of their gradients: no kink lies between
-/// them.
+/// Returns whether J is stationary at the convex combination of the certificate's points. It is if all points
+/// are on one smooth selection of J, without a kink between them: the gradient at the combination of the
+/// points is then the combination of their gradients, which is short.
 template <Differentiable P>
 bool stationary_between(P& problem, const Certificate<typename P::Vector>& certificate, double tolerance) {
   typename P::Vector u = *certificate.points.front();
@@ -133,12 +133,12 @@ struct Iteration {
   int number = 0;
   double objective = 0;
   double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's SearchUnits; without bounds ‖g‖
-  /// Step length, as a multiple of the search direction; projected-gradient: of the problem's gradient; 0 at
-  /// the first guess.
+  /// Step length as a multiple of the search direction; for projected-gradient, as a multiple of the gradient
+  /// in the problem's own units. It is 0 at the first guess.
   double step_length = 0;
   /// Decrease of J that the method's model predicted for the last step, −g·d/2 for a quadratic model. It
   /// estimates the distance of J from its minimum. Infinite without a model. Not stored in checkpoints.
-  double promised = std::numeric_limits<double>::infinity();
+  double predicted_decrease = std::numeric_limits<double>::infinity();
 
   template <class Archive>
   void serialize(Archive& archive) {

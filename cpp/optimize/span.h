@@ -21,7 +21,7 @@ inline double dot(const Coordinates& a, const Coordinates& b) {
 
 inline double norm(const Coordinates& a) { return std::sqrt(dot(a, a)); }
 
-/// Adds factor b to a.
+/// Adds `factor` times b to a.
 inline void add(Coordinates& a, double factor, const Coordinates& b) {
   a.resize(std::max(a.size(), b.size()));
   for (std::size_t i = 0; i < b.size(); ++i)
@@ -77,7 +77,7 @@ private:
 
 /// Growing subspace of the problem's vectors with an orthonormal basis, so that frequent operations work on
 /// coordinates. Stores the given vectors V and the Cholesky factor R of their Gram matrix, VᵀV = RᵀR. The
-/// basis V R⁻¹ is never formed, so that a new vector reads the stored ones once.
+/// basis V R⁻¹ is never formed, so that adding a vector reads each stored vector only once.
 template <Unknowns U>
 class Span {
 public:
@@ -128,9 +128,9 @@ public:
   }
 
   /// Restricts the subspace to the span of an orthonormal basis; coordinates refer to this basis from now on.
-  /// The basis is stored instead of V, since rounding of vectors far from orthogonal would turn the subspace.
-  /// The rounded basis vectors are orthonormal to some seven digits only, while the part of a new vector
-  /// outside may be smaller. R is therefore recomputed from the stored vectors.
+  /// The basis vectors are stored in place of V. They must be orthonormal, since rounding turns the span of
+  /// vectors that are far from orthogonal. Once rounded, they are orthonormal only to about seven digits, too
+  /// few for new vectors with a small part outside. The next coordinates() therefore recomputes R from them.
   void restrict(const std::vector<Coordinates>& basis) {
     std::vector<Coordinates> factors;
     for (Coordinates x : basis) {

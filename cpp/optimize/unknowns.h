@@ -81,8 +81,8 @@ typename U::Vector projected(const U& unknowns, typename U::Vector u) {
   return u;
 }
 
-/// Returns the stationarity measure ‖u − P(u − g)‖ with P the projection onto the bounds, which is zero
-/// exactly at stationary points; ‖g‖ without bounds.
+/// Returns the stationarity measure ‖u − P(u − g)‖, where P is the projection onto the bounds; without bounds
+/// it is ‖g‖. The measure is zero exactly at stationary points.
 template <Unknowns U>
 double stationarity(const U& unknowns, const typename U::Vector& u, const typename U::Vector& g) {
   if (!unknowns.bounded())
@@ -134,8 +134,8 @@ struct Iterate {
 
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Returns J at u, which becomes the trial. Returns nothing if a solver fails, which counts as too long a
-/// step.
+/// Returns J at u, which becomes the problem's trial. Returns nothing if a solver fails; the step to u then
+/// counts as too long.
 template <Differentiable P>
 std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   try {
@@ -145,8 +145,8 @@ std::optional<double> attempt(P& problem, const typename P::Vector& u) {
   }
 }
 
-/// Returns u with J and its gradient there; u becomes the trial. Returns nothing if a solver fails or J is
-/// not finite.
+/// Returns u with J and its gradient there; u becomes the problem's trial. Returns nothing if a solver fails
+/// or J is not finite.
 template <Differentiable P>
 std::optional<Iterate<P>> evaluated(P& problem, typename P::Vector u) {
   const double value = attempt(problem, u).value_or(nan);

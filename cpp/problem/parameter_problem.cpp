@@ -57,7 +57,7 @@ control::Model ParameterProblem::model(std::span<const double> x, std::size_t co
           .initial = &problem.initial,
           .storage = &parts->storage,
           .load = problem.scene_loads(),
-          .given = parts->given ? parts->given->force() : nullptr,
+          .given = parts->given ? parts->given->control_force() : nullptr,
           .measurements = &parts->measurements,
           .rates = &parts->rates,
           .parts = parts};

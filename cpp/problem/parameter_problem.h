@@ -31,7 +31,9 @@ public:
   [[nodiscard]] step::Stepper::Needs needs() const;
 
 private:
-  /// Sets up the model for the parameters x. Throws UserError if the scene with x is invalid. Collective.
+  /// Sets up the model for the parameters x. `columns`: number of columns of control::Measurements; `stops`:
+  /// whether a request to stop throws Interrupted. Throws UserError if the scene with x is invalid.
+  /// Collective.
   control::Model model(std::span<const double> x, std::size_t columns, trajectory::Stops stops);
 
   Timers& timers_;

@@ -237,8 +237,9 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   controls_.emplace(problem.space, problem.operators, problem.grid, control);
   if (controls_->stepwise() && !problem.grid.complete()) {
     if (control.stored)
-      throw UserError("control.initial: found the control of a run with time.step = \"auto\"; use a control "
-                      "with intervals of fixed length (control.step), or expressions");
+      throw UserError(
+          "control.initial: found the control of an earlier run in a scene with time.step = "
+          "\"auto\", which needs intervals of fixed length; set control.step, or give expressions");
     force_ = std::make_unique<control::SampledForce>(*controls_, *control.initial, "control.initial", true);
     return;
   }
@@ -310,7 +311,7 @@ Displacements given_motion(const Problem& problem, bool keep) {
   return std::make_unique<Constant>(problem, *field);
 }
 
-std::optional<Warning> desired_warning(const Problem& problem) {
+std::optional<Warning> desired_run_spacing_warning(const Problem& problem) {
   const auto* run =
       problem.scene.objective ? std::get_if<scene::DesiredRun>(&problem.scene.objective->desired) : nullptr;
   if (!run)

@@ -65,17 +65,18 @@ struct Problem {
 /// Requirements of one evaluation of a fit on the solvers.
 [[nodiscard]] step::Stepper::Needs fit_needs(const scene::Scene& scene);
 
-/// Makes stores for the states of motions, as the scene's [trajectory] selects. If the desired motion is
-/// computed from a reference control, one factory may use half of the scene's budget.
+/// Returns the factory of the stores for the states of motions, as the scene's [trajectory] selects. If the
+/// desired motion is computed from a reference control, the factory may use only half of trajectory.budget:
+/// the other half is for a second factory, for the states of the desired motion.
 [[nodiscard]] trajectory::StateStoreFactory state_stores(const Problem& problem);
 
 /// Desired motion of a scene that gives it by expressions or by an earlier run. `keep`: whether to keep all
 /// states in memory. Throws UserError. Collective. `problem` must outlive the result.
 std::unique_ptr<const step::Displacements> given_motion(const Problem& problem, bool keep);
 
-/// Warns if the desired motion is that of an earlier run and the run's stored states are farther apart in
+/// Returns a warning if the desired motion is that of an earlier run whose stored states are farther apart in
 /// time than 1.5 steps of this run. Collective.
-std::optional<Warning> desired_warning(const Problem& problem);
+std::optional<Warning> desired_run_spacing_warning(const Problem& problem);
 
 /// Control that a scene gives by control.initial, clipped to the bounds, for runs that do not optimise. If
 /// the control is constant on each time step and step lengths are chosen during the motion, the control is
@@ -91,7 +92,7 @@ public:
   [[nodiscard]] bool acts() const { return force_ != nullptr; }
 
   /// The force of the control; null if acts() is false.
-  [[nodiscard]] const step::Load* force() const { return force_.get(); }
+  [[nodiscard]] const step::Load* control_force() const { return force_.get(); }
   /// All forces on the body: the scene's loads and the force of the control. Valid as long as this object.
   [[nodiscard]] step::ForceAtStep load() const;
 
@@ -106,16 +107,17 @@ private:
   std::unique_ptr<const step::Load> force_;
 };
 
-/// Sets the time steps of a problem whose step lengths vary, unless they are set already. Simulates a
-/// preliminary motion under the control that the scene gives, else under the reference control. Construct
-/// objects that refer to the steps afterwards. Throws UserError, SolverFailure, Interrupted. Collective.
-void choose_steps(Problem& problem, const Console& console);
-/// Sets the time steps of a problem whose step lengths vary by a preliminary motion under `load`, even if the
-/// steps are set already. Throws SolverFailure, Interrupted. Collective.
-void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console& console);
-/// Sets the time steps of a problem whose step lengths vary by a preliminary motion under u, a control of the
-/// space `from` with other steps or on another mesh. Throws UserError, SolverFailure, Interrupted.
+/// Chooses the time steps of a problem with varying step lengths, unless they are set already. Simulates a
+/// preliminary motion under the control that the scene gives, else under the reference control. Call this
+/// before constructing objects that refer to the steps. Throws UserError, SolverFailure, Interrupted.
 /// Collective.
+void choose_steps(Problem& problem, const Console& console);
+/// Chooses the time steps of a problem with varying step lengths, even if they are set already. Simulates a
+/// preliminary motion under `load`. Throws SolverFailure, Interrupted. Collective.
+void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console& console);
+/// Chooses the time steps of a problem with varying step lengths, even if they are set already. Simulates a
+/// preliminary motion under u, a control of the space `from`, which has other steps or another mesh. Throws
+/// UserError, SolverFailure, Interrupted. Collective.
 void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console);
 
@@ -129,7 +131,7 @@ struct ControlProblem {
 
   control::ControlSpace controls;
   std::optional<control::Control> reference; ///< the reference control; absent if the scene has none
-  /// Make the stores for the states of motions under controls, and of the desired motion.
+  /// Factories of the stores for the states: of motions under controls, and of the desired motion.
   trajectory::StateStoreFactory storage, desired_storage;
   control::Objective objective;
   control::ReducedProblem reduced;

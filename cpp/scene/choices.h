@@ -31,8 +31,8 @@ constexpr Names<3> names(StepQuantity) { return {"displacement", "contact-force"
 enum class Component { x, y, z };
 constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 
-/// Mass of the nodes of candidates along the contact normal ν: kept, or moved to their neighbours;
-/// docs/method.md section 2.
+/// Mass of the candidates' nodes along the contact normal ν (docs/method.md section 2). consistent:
+/// unchanged; massless: moved to neighbouring nodes.
 enum class ContactMass { consistent, massless };
 constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
 
@@ -44,11 +44,11 @@ constexpr Names<4> names(ContactScheme) {
   return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
 }
 /// Whether a scheme has candidates without mass.
-constexpr bool takes_mass(ContactScheme scheme) {
+constexpr bool has_massless_candidates(ContactScheme scheme) {
   return scheme == ContactScheme::massless || scheme == ContactScheme::mixed;
 }
 
-/// Treatment of nodes that start inside an obstacle: outside: an error; project: a move out of the obstacle.
+/// Treatment of nodes that start inside an obstacle. outside: they are an error; project: they are moved out.
 enum class ContactStart { outside, project };
 constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
 

@@ -18,9 +18,9 @@ using Interval = boost::numeric::interval<
 /// Intervals of x, y, z (m) and t (s).
 using Box = std::array<Interval, 4>;
 
-/// Computes bounds of an expression over a box by interval arithmetic, which hold at all points unlike
-/// samples, and the times at which the expression may change. Reads the language of muParser, with which
-/// Field evaluates expressions. The ends of intervals are rounded to nearest.
+/// Bounds of an expression over a box, and the times at which the expression may have a jump or a kink. The
+/// bounds are computed by interval arithmetic and, unlike samples, are valid at all points. The language is
+/// that of muParser, with which Field evaluates expressions. The ends of intervals are rounded to nearest.
 class Enclosure {
 public:
   /// Makes an enclosure without an expression: known() is false.
@@ -31,10 +31,12 @@ public:
 
   /// Whether an expression was read.
   [[nodiscard]] bool known() const { return known_; }
-  /// Interval that contains all values of the expression in a box; all numbers unless known().
+  /// Interval that contains all values of the expression in a box; the interval of all numbers if known() is
+  /// false.
   [[nodiscard]] Interval operator()(const Box& box) const;
-  /// Times (s) at which the result of a comparison in the expression changes, unsorted. Only comparisons
-  /// between linear functions of t count.
+  /// Times (s), unsorted, at which the expression may have a jump or a kink, because two compared parts of it
+  /// are equal: operands of a comparison, arguments of a function such as max, or the argument of abs or sign
+  /// and 0. Only parts that are linear functions of t alone count.
   [[nodiscard]] const std::vector<double>& knots() const { return knots_; }
 
 private:

@@ -79,7 +79,7 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
       int values = 0;
       parser.Eval(values);
       if (values != 1)
-        throw mu::ParserError("a comma makes it a list; a decimal number has a point");
+        throw mu::ParserError("a comma separates two expressions; write decimal numbers with a point");
       for (const auto& [name, value] : parser.GetUsedVar())
         (name == "t" ? component.depends_on_time : component.depends_on_place) = true;
       if (component.depends_on_time)

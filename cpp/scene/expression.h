@@ -43,9 +43,9 @@ public:
 
   /// Time series of a component, null for an expression.
   [[nodiscard]] const TimeSeries* series(std::size_t component) const;
-  /// Bounds of the values of a component that is an expression.
+  /// Bounds of the values in `box` of a component that is an expression.
   [[nodiscard]] Interval enclose(std::size_t component, const Box& box) const;
-  /// Times (s) at which comparisons in the components' expressions change (Enclosure::knots()), unsorted.
+  /// Times (s), unsorted, at which the components' expressions may jump or have kinks (Enclosure::knots()).
   [[nodiscard]] std::vector<double> knots() const;
 
   /// Rate of change at time t (s) of a component that is a time series, per second, as TimeSeries::slope()

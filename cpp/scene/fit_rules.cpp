@@ -57,11 +57,11 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
 void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
   const auto absent = [&](const char* what) {
-    in.fail("of", fmt::format("found \"{}\" in a scene without {}; choose what the scene has", of, what));
+    in.fail("of", fmt::format("found \"{}\" in a scene without {}; choose another parameter", of, what));
   };
-  const auto one_of = [&](const std::vector<std::string>& groups) {
+  const auto one_of = [&](const std::vector<std::string>& groups, const char* single) {
     require_where(in, "on", groups.size() > 1, groups.size() > 1,
-                  "has no effect, since there is only one; remove it");
+                  fmt::format("has no effect, since the scene has {}; remove it", single));
     if (unknown.on && std::ranges::find(groups, *unknown.on) == groups.end())
       in.fail("on", fmt::format("found \"{}\"; choices: {}", *unknown.on, list(groups)));
   };
@@ -69,7 +69,7 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     std::vector<std::string> groups;
     for (const Material& material : scene.materials)
       groups.push_back(material.on.value_or(""));
-    one_of(groups);
+    one_of(groups, "one material only");
     if ((unknown.of == Parameter::bulk || unknown.of == Parameter::shear) &&
         !scene.materials[material_of(scene, unknown)].viscosity)
       in.fail("of", fmt::format("found \"{}\" of an elastic material; give the material a viscosity", of));
@@ -93,7 +93,7 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
         groups.push_back(traction.on);
     if (groups.empty())
       absent("load.traction");
-    one_of(groups);
+    one_of(groups, "tractions on one group only");
   } else if (unknown.of == Parameter::body ? !scene.load->body : !scene.load->gravity) {
     absent(of.c_str());
   }
@@ -169,7 +169,7 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
                                                                                 : ParameterScale::linear;
   require_component(in, unknown, scene);
   if (!in.has("start")) {
-    const std::optional<double> own = own_value(scene, unknown);
+    const std::optional<double> own = value_in_scene(scene, unknown);
     if (!own)
       in.require("start");
     unknown.start = *own;
@@ -234,7 +234,7 @@ void require_fit_rules(Reader& in, Scene& scene) {
     if (!scene.objective && in.has("optimizer"))
       for (const char* key : {"start", "checkpoint", "memory"})
         if (Reader optimizer = in.table("optimizer"); optimizer.has(key))
-          optimizer.fail(key, "has no effect on a fit without a control");
+          optimizer.fail(key, "has no effect on a fit without a control; remove it");
   } else if (scene.optimizer.method == OptimizerMethod::gauss_newton) {
     in.fail("optimizer.method", "found \"gauss-newton\" without unknowns; add tables [[unknown]]");
   }

@@ -17,17 +17,17 @@ void add(const std::vector<Entry>& entries, const std::string& path, const KeyIn
          std::vector<KeyLine>& lines) {
   for (const Entry& entry : entries) {
     const std::string name = path + entry.name;
-    KeyInfo said = entry.said;
-    if (!*said.effect)
-      said.effect = table.effect;
-    if (said.part == Part::problem)
-      said.part = table.part;
+    KeyInfo info = entry.info;
+    if (!*info.effect)
+      info.effect = table.effect;
+    if (info.part == Part::problem)
+      info.part = table.part;
     if (!entry.children.empty())
-      add(entry.children, name + ".", said, lines);
+      add(entry.children, name + ".", info, lines);
     else if (std::ranges::find(lines, name, &KeyLine::name) == lines.end())
-      lines.push_back({name, entry.words, said.unit,
-                       said.required && entry.fallback.empty() ? "required" : entry.fallback, said.meaning,
-                       said.effect, said.part});
+      lines.push_back({name, entry.words, info.unit,
+                       info.required && entry.fallback.empty() ? "required" : entry.fallback, info.meaning,
+                       info.effect, info.part});
   }
 }
 
@@ -42,11 +42,11 @@ Json schema::object(const std::vector<Entry>& keys) {
             {"properties", Json::object()},
             {"required", Json::array()},
             {"additionalProperties", false}};
-  for (const auto& [name, said, words, fallback, own, children] : keys) {
+  for (const auto& [name, info, words, fallback, own, children] : keys) {
     Json& property = json["properties"][name] = own;
-    if (const std::string about = joined(said.unit, ": ", said.meaning); !about.empty())
+    if (const std::string about = joined(info.unit, ": ", info.meaning); !about.empty())
       property["description"] = about;
-    if (said.required)
+    if (info.required)
       json["required"].push_back(name);
   }
   return json;

@@ -5,8 +5,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-/// Kinds of values of keys. Each kind has read(), which gets the part of the scene read so far; write(), to
-/// TOML; words(), which describes the admissible values; and schema(), their JSON schema.
+/// Kinds of values of keys. Each kind has four functions. read() reads a value; its last argument is the part
+/// of the scene read so far. write() writes a value as TOML. words() describes the admissible values, and
+/// schema() is their JSON schema.
 namespace signorini::scene::kind {
 
 using Json = nlohmann::ordered_json;
@@ -137,7 +138,7 @@ struct Expressions {
   [[nodiscard]] Json schema() const;
 };
 
-/// The motion of a clamp: one expression for each clamped component of the scene's last clamp.
+/// The motion of the clamp read last: one expression for each of its clamped components.
 struct ClampMotion : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
   static Json schema();

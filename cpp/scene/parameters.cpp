@@ -188,14 +188,14 @@ std::size_t material_of(const Scene& scene, const Unknown& unknown) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i)
     if (scene.materials.size() == 1 || scene.materials[i].on == unknown.on)
       return i;
-  throw std::out_of_range("an unknown of no material");
+  throw std::out_of_range("no material of the scene has this unknown");
 }
 
 std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
   for (std::size_t i = 0; i < scene.contacts.size(); ++i)
     if (scene.contacts.size() == 1 || scene.contacts[i].name == unknown.obstacle)
       return i;
-  throw std::out_of_range("an unknown of no obstacle");
+  throw std::out_of_range("no obstacle of the scene has this unknown");
 }
 
 bool scales(const Unknown& unknown, const Traction& traction) {
@@ -227,7 +227,7 @@ Components components_of(const Scene& scene, const Unknown& unknown) {
   return initial_field(initial, unknown).value();
 }
 
-std::optional<double> own_value(const Scene& scene, const Unknown& unknown) {
+std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown) {
   switch (unknown.of) {
   case Parameter::young:
   case Parameter::poisson:

@@ -19,19 +19,20 @@ Limits natural_limits(Parameter of);
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
 
-/// Components of the vector that an unknown is a component or a factor of: an initial field or a centre.
+/// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these
+/// components or a factor on all of them.
 Components components_of(const Scene& scene, const Unknown& unknown);
 
-/// Index in scene.materials of the material whose parameter is unknown. Throws std::out_of_range if the scene
-/// has no such material, which reading a scene excludes.
+/// Index in scene.materials of the material to which an unknown belongs. Throws std::out_of_range if the
+/// scene has no such material, which reading a scene excludes.
 std::size_t material_of(const Scene& scene, const Unknown& unknown);
-/// Index in scene.contacts of the obstacle whose parameter is unknown. Throws std::out_of_range if the scene
+/// Index in scene.contacts of the obstacle to which an unknown belongs. Throws std::out_of_range if the scene
 /// has no such obstacle, which reading a scene excludes.
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
 
-/// Value of an unknown that the other tables of the scene give; absent if they give an expression of place or
-/// time. 1 for factors; 0 for displacements and rotations of a plane.
-std::optional<double> own_value(const Scene& scene, const Unknown& unknown);
+/// Value that the other tables of the scene give to an unknown, such as a density. It is 1 for a factor, and
+/// 0 for the displacement or rotation of a plane. Absent if the tables give an expression of place or time.
+std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown);
 
 /// Start values of all unknowns, in the order of scene.unknowns.
 std::vector<double> start_values(const Scene& scene);

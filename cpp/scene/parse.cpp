@@ -171,7 +171,8 @@ std::string no_coarse_start(const Scene& scene) {
   if (!scene.unknowns.empty())
     return "with tables [[unknown]]; set it to \"guess\"";
   if (scene.mesh.file.extension() != ".geo")
-    return "with a .msh, which is meshed already; use a .geo and mesh.size, or set it to \"guess\"";
+    return "with a .msh, from which no coarser meshes can be made; use a .geo and mesh.size, or set "
+           "optimizer.start to \"guess\"";
   if (!scene.mesh.size || scene.mesh.automatic())
     return "without mesh.size, whose multiples are the sizes of the coarse meshes; give mesh.size, or set "
            "optimizer.start to \"guess\"";

@@ -140,7 +140,7 @@ std::size_t Reader::choice(const std::string& key, const std::vector<std::string
 std::vector<std::size_t> Reader::choices(const std::string& key, const std::vector<std::string>& allowed) {
   const toml::array* array = node(key).as_array();
   if (!array)
-    fail(key, fmt::format("found {}; expected a list out of {}, or [] for none", value_text(node(key)),
+    fail(key, fmt::format("found {}; expected a list of names from {}, or [] for none", value_text(node(key)),
                           list(allowed)));
   std::vector<std::size_t> found;
   for (const toml::node& entry : *array) {

@@ -81,7 +81,7 @@ private:
   const toml::node& node(const std::string& key);
   double to_number(const toml::node& node, const std::string& key, const Limits& limits) const;
   [[nodiscard]] std::string full(const std::string& key) const;
-  /// Reads the time series that a table with file and column names; `end`: as in expressions().
+  /// Reads a time series. `table`: contains the names of its file and column; `end`: as in expressions().
   Expression series(const toml::table& table, const std::string& key, std::optional<double> end) const;
   /// Throws UserError unless all expressions parse; `time`: whether t may occur.
   void require_readable(const Components& components, const std::string& key, bool time) const;

@@ -32,7 +32,7 @@ void require_rules(Reader& in, Scene& read, const Scene& scene);
 /// of the array, for messages.
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
                         const char* table);
-/// Reads the key `name` of the table of the last element of `all`; the elements before it have names already.
+/// Reads the key `name` for the last element of `all`. The elements before it have names already.
 template <class T>
 std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<T>& all,
                         const char* table) {

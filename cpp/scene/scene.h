@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-/// A validated scene file, in SI units, defaults filled in. An absent std::optional: the effect is absent.
+/// Validated scenes in SI units, with defaults. An absent optional means no effect, unless stated.
 namespace signorini::scene {
 
 /// An expression in x, y, z (m) and t (s), or a time series.
@@ -161,7 +161,7 @@ struct Initial {
 
 /// A control that an earlier run stored.
 struct StoredControl {
-  std::filesystem::path folder; ///< output folder of that run, absolute
+  std::filesystem::path folder; ///< absolute path of the run's output folder
 };
 
 /// Table [control].
@@ -175,8 +175,8 @@ struct Control {
   ControlValues space = ControlValues::nodal;
   std::optional<Components> initial;        ///< first guess, in x, y, z, t; absent: `stored`, else zero
   std::optional<StoredControl> stored;      ///< first guess, in place of `initial`
-  std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
-  std::optional<std::vector<double>> upper; ///< upper bound, one or one per component; absent: none
+  std::optional<std::vector<double>> lower; ///< lower bound, for all components or for each; absent: none
+  std::optional<std::vector<double>> upper; ///< upper bound, for all components or for each; absent: none
 };
 
 /// Desired motion y_d that is the motion under a reference control.
@@ -190,21 +190,21 @@ struct DesiredDisplacement {
 
 /// Desired motion y_d read from an earlier run.
 struct DesiredRun {
-  std::filesystem::path folder; ///< output folder of that run, absolute
+  std::filesystem::path folder; ///< absolute path of the run's output folder
 };
 
 /// Table [objective]; docs/method.md section 3.
 struct Objective {
   std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
-  std::optional<std::string> on; ///< physical group where y_d counts, in the body or a surface; absent: body
+  std::optional<std::string> on; ///< group of cells or facets where y is compared with y_d; absent: the body
   double tracking = 1;           ///< θ, weight of the tracking term
   double alpha = 0;              ///< α, weight of the control cost
   double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
-/// Normal prior of an unknown; on a logarithmic scale, of its logarithm, the deviation relative to the mean.
+/// Normal prior of an unknown or, if the unknown has a logarithmic scale, of its logarithm.
 struct Prior {
-  double mean = 0, deviation = 0; ///< mean of the unknown, and standard deviation
+  double mean = 0, deviation = 0; ///< mean of the unknown; deviation, relative if the scale is logarithmic
 };
 
 /// One table [[unknown]]: a number of the scene that a fit determines; docs/method.md section 9.
@@ -227,14 +227,14 @@ struct Measurement {
   Quantity of = Quantity::displacement;
   std::string name;                          ///< name in tables, unique
   std::optional<std::vector<double>> point;  ///< point of the undeformed body, m
-  std::optional<std::string> on;             ///< physical group over which the mean is measured, else a point
+  std::optional<std::string> on;             ///< group over which the motion is averaged; absent: use `point`
   std::optional<std::string> obstacle;       ///< obstacle of a contact quantity; absent: sum of all obstacles
   std::optional<Component> component;        ///< component; set for every fitted quantity
-  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; set if fitted
+  std::optional<std::filesystem::path> file; ///< absolute path of a CSV with times and values; set if fitted
   std::string column = "value";              ///< column of the values in `file`
   std::optional<double> value;               ///< measured value of a quantity that is only compared, s or N
-  std::optional<double> deviation;           ///< standard deviation; absent: the file's column "deviation"
-  std::optional<double> noise; ///< standard deviation, relative to the largest modulus of the values
+  std::optional<double> deviation;           ///< standard deviation; absent: by `noise` or column "deviation"
+  std::optional<double> noise;               ///< deviation divided by the largest modulus of the values
 
   /// Whether the misfit counts in J; quantities of the whole contact, as its duration, are only compared.
   [[nodiscard]] bool fitted() const { return of < Quantity::contact_start; }
@@ -247,7 +247,7 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  /// Stopping tolerance of a search: gradient norm relative to the first guess; Newton decrement of a fit.
+  /// Tolerance for the gradient norm, relative to the first one; with gauss_newton, for the decrement.
   std::optional<double> tolerance;
   int checkpoint = 10; ///< iterations between checkpoints; 0: no checkpoints
   double memory = 0;   ///< memory limit for the controls that a method stores, bytes; 0: the default limit
@@ -257,7 +257,7 @@ struct Optimizer {
 struct Solver {
   ViMethod vi = ViMethod::condensed;
   LinearMethod linear = LinearMethod::automatic;
-  double memory = 0; ///< memory limit for the factor of D and the dense contact matrices together, bytes
+  double memory = 0; ///< limit for D's factor plus dense contact matrices, bytes; parse() sets the default
 };
 
 /// Table [trajectory]: storage of a motion's states for the adjoint sweep.
@@ -266,9 +266,9 @@ struct Trajectory {
   double budget = 1e9; ///< memory limit of all checkpoints together, bytes
 };
 
-/// Table [check].
+/// Table [check]: control at which the verb check takes derivatives, as expressions in x, y, z, t.
 struct Check {
-  std::optional<Components> control; ///< control at which `check` takes derivatives, in x, y, z, t
+  std::optional<Components> control; ///< absent: near the reference control, else the first guess
 };
 
 /// Table [run]: checks of discrete identities in every run; docs/method.md section 2.
@@ -310,7 +310,7 @@ struct Output {
                                   StoredTable::measurements}; ///< tables to write where a run has them
   std::vector<Probe> probes;
 
-  static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 without `every`
+  static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 if `every` is absent
   /// Default of `every`: the least of 1, 2, 5, 10, 20, … with which at most most_frames of `steps` steps are
   /// stored.
   [[nodiscard]] static int automatic(int steps);
@@ -343,7 +343,7 @@ struct Scene {
   std::optional<Exact> exact;
   Run run;
   Output output;
-  std::string digest_of_series;   ///< digest of the files of all time series; empty without any
+  std::string digest_of_series;   ///< digest of the files of all time series; empty if there are none
   std::vector<std::string> given; ///< keys given by --set, without the numbers of tables
 
   /// Treatment of contact, from time.scheme and contact.mass.

@@ -71,8 +71,8 @@ Keys<Time> keys_of(Of<Time>) {
             "with `step = \"auto\"`: shortest step, whatever its error",
             {.otherwise = "the longest step, halved 20 times", .effect = "steps of varying length"}),
       value("scheme", &Time::scheme, Choice<TimeScheme>{}, "",
-            "`\"contact-stabilized\"`: the motion without forces is first moved out of the obstacle, which "
-            "smooths the contact forces",
+            "`\"contact-stabilized\"`: each step first projects the displacement at constant velocity out of "
+            "the obstacle, which smooths the contact forces",
             {.effect = "contact-stabilized"})};
 }
 
@@ -99,9 +99,9 @@ Keys<Clamp> keys_of(Of<Clamp>) {
                    "group of the boundary that is clamped; each clamp is a table `[[clamp]]`"),
           acting<Clamp>("components that are clamped"),
           value("value", &Clamp::value, ClampMotion{}, "m",
-                "prescribed displacement of each clamped component; its velocity is the time derivative. An "
-                "`initial.velocity` that is given is used at t = 0 and must agree with that derivative to a "
-                "relative 1e-5",
+                "prescribed displacement of each clamped component; its velocity is the time derivative. If "
+                "`initial.velocity` is given, it applies at t = 0 and must agree with this derivative to a "
+                "relative error of 1e-5",
                 {.otherwise = "`[\"0\", \"0\"]`", .effect = "moving clamp"})};
 }
 
@@ -147,7 +147,7 @@ static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
 /// Makes the key `obstacle`, a table whose keys depend on the shape.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
-  const KeyInfo said{
+  const KeyInfo info{
       .required = true,
       .meaning = "shape; keys of the four shapes, in this order: `point` and `normal`; `center`, `radius` "
                  "and `side`; `point`, `axis`, `radius` and `side`; `distance`"};
@@ -160,7 +160,7 @@ Key<Contact> obstacle() {
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
   for (const auto& keys : entries_of(static_cast<const Obstacle*>(nullptr))) {
     const std::string& name = shapes[key.json["oneOf"].size()];
-    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}, called};
+    std::vector<Entry> all{{"shape", info, quoted(shapes), {}, {{"const", name}}, {}}, called};
     all.insert(all.end(), keys.begin(), keys.end());
     key.json["oneOf"].push_back(object(all));
     key.children.insert(key.children.end(), all.begin(), all.end());
@@ -217,12 +217,13 @@ Keys<Initial> keys_of(Of<Initial>) {
 }
 
 Keys<StoredControl> keys_of(Of<StoredControl>) {
-  return {required("run", &StoredControl::folder, Path{}, "",
-                   "in place of expressions: folder of an earlier run of `optimize`, relative to the scene "
-                   "file. Body, its position, `control.scale` and `control.on` must be the same. The "
-                   "components of that control must be among this scene's; other meshes and steps are "
-                   "interpolated",
-                   {.part = Part::none})};
+  return {
+      required("run", &StoredControl::folder, Path{}, "",
+               "in place of expressions: folder of an earlier run of `optimize`, relative to the scene "
+               "file. Body, its position, `control.scale` and `control.on` must be the same. The components "
+               "of the stored control must be among those of this scene's control; from another mesh or "
+               "other steps the control is interpolated",
+               {.part = Part::none})};
 }
 
 namespace {
@@ -232,8 +233,8 @@ namespace {
 std::array<Key<Control>, 2> first_guess() {
   Key<Control> given =
       value("initial", &Control::initial, ControlField{}, "",
-            "first guess of `optimize` and control of `simulate`, moved into the bounds; without t if the "
-            "control is constant in time",
+            "first guess of `optimize` and control of `simulate`, clipped to the bounds; expressions must "
+            "not contain t if the control is constant in time",
             {.otherwise = "`[\"0\", \"0\"]`"});
   Key<Control> stored = inline_table("initial", &Control::stored, {});
   given.read = [read = given.read](Reader& in, Control& to, const Scene& scene) {
@@ -288,12 +289,12 @@ Keys<DesiredDisplacement> keys_of(Of<DesiredDisplacement>) {
 }
 
 Keys<DesiredRun> keys_of(Of<DesiredRun>) {
-  return {
-      required("run", &DesiredRun::folder, Path{}, "",
-               "in place of `control`: folder of an earlier run that stored the displacement, relative to "
-               "the scene file. It needs degree 1 and the same mesh; the number of ranks may differ. The "
-               "displacement is interpolated linearly in time",
-               {.part = Part::none})};
+  return {required(
+      "run", &DesiredRun::folder, Path{}, "",
+      "in place of `control`: folder of an earlier run that stored the displacement, relative to the scene "
+      "file. That run must have degree 1 and the same mesh; the number of ranks may differ. The "
+      "displacement is interpolated linearly in time",
+      {.part = Part::none})};
 }
 
 namespace {
@@ -345,11 +346,12 @@ Keys<Objective> keys_of(Of<Objective>) {
 }
 
 Keys<Prior> keys_of(Of<Prior>) {
-  return {required("mean", &Prior::mean, Number{}, "",
-                   "mean of the unknown's normal prior distribution, in the unknown's unit"),
-          required("deviation", &Prior::deviation, Number{above_zero}, "",
-                   "standard deviation of the prior; relative for an unknown on a logarithmic scale, such as "
-                   "0.1")};
+  return {
+      required("mean", &Prior::mean, Number{}, "",
+               "mean of the unknown's normal prior distribution, in the unknown's unit"),
+      required("deviation", &Prior::deviation, Number{above_zero}, "",
+               "standard deviation of the prior; for an unknown on a logarithmic scale it is relative, such "
+               "as 0.1")};
 }
 
 Keys<Unknown> keys_of(Of<Unknown>) {
@@ -361,7 +363,7 @@ Keys<Unknown> keys_of(Of<Unknown>) {
                "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of a load: a factor "
                "on the load"),
       value("name", &Unknown::name, Text{"text"}, "", "name in tables",
-            {.otherwise = "by `of`, such as `\"young\"`"}),
+            {.otherwise = "made from `of`, such as `\"young\"`"}),
       value("on", &Unknown::on, Text{}, "", "group of the material or traction, if there are several",
             {.otherwise = "the only one"}),
       value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "",
@@ -431,8 +433,8 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
       value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
             "largest number of iterations; 0 evaluates only the first guess"),
       value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}}, "",
-            "the search stops at this norm of the gradient, relative to the norm at the first guess; "
-            "`\"gauss-newton\"` stops at this decrement",
+            "the search stops at this norm of the gradient, relative to the norm at the first guess. "
+            "`\"gauss-newton\"` stops at this decrement, the length of its next step in standard deviations",
             {.otherwise = fmt::format("`{:g}`; `{:g}` with `\"gauss-newton\"`", Optimizer::usual_tolerance,
                                       Optimizer::usual_of_fits)}),
       value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000}, "iterations; 0: none",
@@ -456,10 +458,10 @@ Keys<Trajectory> keys_of(Of<Trajectory>) {
 }
 
 Keys<Check> keys_of(Of<Check>) {
-  return {required("control", &Check::control, ControlField{}, "",
-                   "where `check` takes derivatives: expressions as those of `control.initial`, whose run is "
-                   "taken without this key",
-                   {.otherwise = "near the reference control; without one, the first guess"})};
+  return {
+      required("control", &Check::control, ControlField{}, "",
+               "control at which `check` takes derivatives: expressions as in `control.initial`, but no run",
+               {.otherwise = "near the reference control; without one, the first guess"})};
 }
 
 Keys<Exact> keys_of(Of<Exact>) {
@@ -496,7 +498,8 @@ Keys<Run> keys_of(Of<Run>) {
                 "if the energy law, the momentum law or the contact condition is violated: `\"warn\"` at the "
                 "end, `\"stop\"` at that step; `\"off\"`: no check"),
           value("tolerance", &Run::tolerance, Number{{.least = 0, .greatest = 1, .open = true}}, "",
-                "relative tolerance of these laws and of the invariants that `check` evaluates")};
+                "relative tolerance of the laws that `run.invariants` checks, and of those that `check` "
+                "evaluates")};
 }
 
 Keys<Probe> keys_of(Of<Probe>) {
@@ -525,8 +528,9 @@ Keys<Output> keys_of(Of<Output>) {
                                       Output::most_frames)},
             [](const Output& output) { return output.every > 0; }),
       value("fields", &Output::fields, Set<StoredField>{}, "",
-            "fields to store, if the verb computes them; `\"strain\"` to `\"pressure\"` are stored only if "
-            "named (see Stress and pressure). `[]` stores none and saves their cost",
+            "fields to store, if the verb computes them; `\"strain\"`, `\"stress\"`, `\"von_mises\"` and "
+            "`\"pressure\"` are stored only if named (see Stress and pressure). `[]` stores none and saves "
+            "their cost",
             {.effect = "stored fields"}),
       value("tables", &Output::tables, Set<StoredTable>{}, "",
             "tables to write, if the verb computes them; `[]` writes none", {.effect = "tables"}),

@@ -19,13 +19,13 @@ struct KeyInfo {
   std::string meaning{};     ///< explanation, in Markdown
   std::string otherwise{};   ///< default in words, if the default is not a value of the key
   const char* effect = "";   ///< effect of the key; empty: the effect of the key's table
-  Part part = Part::problem; ///< part that the key affects; problem: the part of the key's table
+  Part part = Part::problem; ///< part that the key affects; problem: the same part as its table
 };
 
-/// A key of any table, as far as it does not depend on the table's type.
+/// A key of any table, without the functions that depend on the table's type.
 struct Entry {
   std::string name;
-  KeyInfo said;                ///< properties of the key
+  KeyInfo info;                ///< properties of the key
   std::string words, fallback; ///< description of the admissible values; default
   Json json;                   ///< JSON schema of the value
   std::vector<Entry> children; ///< keys of the table, if the value is a table
@@ -98,7 +98,7 @@ Written on_one_line(const T& from, std::string text = {}) {
   for (const Key<T>& key : table<T>())
     if (const Written value = key.line(from); !value.text.empty())
       text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key.name, value.text);
-  return {"{ " + text + " }", table<T>().front().said.unit};
+  return {"{ " + text + " }", table<T>().front().info.unit};
 }
 
 template <class M>
@@ -117,20 +117,20 @@ struct Content<std::optional<U>> {
 /// Makes a key with a value. `written`: predicate whether to write the key; null: always.
 template <class T, class M, class K>
 Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
-             KeyInfo said = {}, Predicate<T> written = nullptr) {
-  said.unit = unit;
-  said.meaning = meaning;
+             KeyInfo info = {}, Predicate<T> written = nullptr) {
+  info.unit = unit;
+  info.meaning = meaning;
   if constexpr (requires { kind.limits; })
     if (kind.limits.unit.empty())
-      kind.limits.unit = said.unit;
-  Key<T> key{{name, said, kind.words(), said.otherwise, kind.schema(), {}}};
+      kind.limits.unit = info.unit;
+  Key<T> key{{name, info, kind.words(), info.otherwise, kind.schema(), {}}};
   if constexpr (std::is_same_v<M, typename Content<M>::Type>)
-    if (!said.required && said.otherwise.empty()) {
+    if (!info.required && info.otherwise.empty()) {
       const std::string text = kind.write(T{}.*member);
       key.fallback = "`" + text + "`";
       key.json["default"] = Json::parse(text); // as TOML has it
     }
-  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+  key.read = [=, needed = info.required](Reader& in, T& to, const Scene& scene) {
     if (needed || in.has(name))
       to.*member = kind.read(in, name, scene);
   };
@@ -144,17 +144,17 @@ Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", con
 /// Makes a required key with a value.
 template <class T, class M, class K>
 Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
-                KeyInfo said = {}) {
-  said.required = true;
-  return value(name, member, kind, unit, meaning, std::move(said));
+                KeyInfo info = {}) {
+  info.required = true;
+  return value(name, member, kind, unit, meaning, std::move(info));
 }
 
 /// Makes a key with a table that can be read; the caller adds how to write the key.
 template <class T, class M>
-Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
+Key<T> table_in(const char* name, M T::* member, const KeyInfo& info) {
   using U = typename Content<M>::Type;
-  Key<T> key{{name, said, {}, {}, object(entries<U>()), entries<U>()}};
-  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+  Key<T> key{{name, info, {}, {}, object(entries<U>()), entries<U>()}};
+  key.read = [=, needed = info.required](Reader& in, T& to, const Scene& scene) {
     if (!needed && !in.has(name))
       return;
     Reader table = in.table(name);
@@ -165,8 +165,8 @@ Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
 
 /// Makes a key with a table that is written on one line.
 template <class T, class M>
-Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
-  Key<T> key = table_in(name, member, said);
+Key<T> inline_table(const char* name, M T::* member, const KeyInfo& info) {
+  Key<T> key = table_in(name, member, info);
   key.line = [=](const T& from) {
     const auto* content = Content<M>::in(from.*member);
     return content ? on_one_line(*content) : Written{};
@@ -177,8 +177,8 @@ Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
 /// Makes a key with a table that is written under a heading. `written`: predicate whether to write the key;
 /// null: always.
 template <class T, class M>
-Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T> written = nullptr) {
-  Key<T> key = table_in(name, member, said);
+Key<T> section(const char* name, M T::* member, const KeyInfo& info, Predicate<T> written = nullptr) {
+  Key<T> key = table_in(name, member, info);
   key.section = [=](std::string& out, const std::string& path, const T& from) {
     const auto* content = Content<M>::in(from.*member);
     if (content && (!written || written(from)))
@@ -190,11 +190,11 @@ Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T
 /// Makes a key with an array of tables under headings `[[name]]`. `alone`: predicate whether the array is
 /// written as a single table under `[name]`; if given, a single table can be read too.
 template <class T, class U>
-Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& said,
+Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& info,
                 Predicate<std::vector<U>> alone = nullptr) {
   const Json one = object(entries<U>()), several{{"type", "array"}, {"items", one}};
-  Key<T> key{{name, said, {}, {}, alone ? Json{{"anyOf", {one, several}}} : several, entries<U>()}};
-  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+  Key<T> key{{name, info, {}, {}, alone ? Json{{"anyOf", {one, several}}} : several, entries<U>()}};
+  key.read = [=, needed = info.required](Reader& in, T& to, const Scene& scene) {
     const auto read = [&](Reader table) { read_keys(table, (to.*member).emplace_back(), scene); };
     if (!alone || in.is_array(name))
       std::ranges::for_each(in.tables(name, needed), read);

@@ -292,7 +292,7 @@ bool has_column(const std::string& text, const std::string& column) {
 std::string unit_hint(const TableColumn& column) {
   return column.time_name.empty()
              ? ""
-             : fmt::format("; times without a unit are in s, a column \"{} [ms]\" is converted",
+             : fmt::format("; times without a unit are in s, those of a column \"{} [ms]\" are converted",
                            column.time_name);
 }
 
@@ -306,9 +306,11 @@ std::vector<TableWarning> doubt_about_the_unit(const TableColumn& column) {
   if (column.unconverted.empty())
     return {};
   const double factor = unit(Name(column.unconverted).unit)->factor;
-  return {{fmt::format("column \"{}\" is taken as SI, unconverted; column = \"{}\" converts it",
-                       column.unconverted, Name(column.unconverted).base),
-           std::max(factor, 1 / factor), 1}};
+  return {
+      {fmt::format(
+           "the values of column \"{}\" are taken as SI, unconverted; to convert them, set column = \"{}\"",
+           column.unconverted, Name(column.unconverted).base),
+       std::max(factor, 1 / factor), 1}};
 }
 
 } // namespace
@@ -320,20 +322,20 @@ std::vector<TableWarning> input_warnings(const TableColumn& column, double end) 
   const auto used = std::ranges::lower_bound(times, end - hair) - (std::ranges::upper_bound(times, hair) - 1);
   if (used == 1 && intervals > 1)
     warnings.push_back(
-        {fmt::format("the run, from 0 to {:.6g} s, uses one of {} intervals of the table, from {:.6g} "
-                     "to {:.6g} s{}",
+        {fmt::format("the run, from 0 to {:.6g} s, uses one of {} intervals of the table, whose times "
+                     "range from {:.6g} to {:.6g} s{}",
                      end, intervals, times.front(), times.back(), unit_hint(column)),
          intervals, 1});
   else if (!column.time_name.empty() && times.back() - times.front() > plausible_ratio * end)
     warnings.push_back(
-        {fmt::format("the run, from 0 to {:.6g} s, uses a thousandth of the table or less, from "
-                     "{:.6g} to {:.6g} s{}",
+        {fmt::format("the run, from 0 to {:.6g} s, uses at most a thousandth of the table, whose "
+                     "times range from {:.6g} to {:.6g} s{}",
                      end, times.front(), times.back(), unit_hint(column)),
          (times.back() - times.front()) / end, plausible_ratio});
   return warnings;
 }
 
-std::vector<TableWarning> doubts_as_data(const TableColumn& column, double end) {
+std::vector<TableWarning> data_warnings(const TableColumn& column, double end) {
   const std::vector<double>& times = column.times;
   std::vector<TableWarning> warnings = doubt_about_the_unit(column);
   const double span = times.back() - times.front(), rest = end - times.back();

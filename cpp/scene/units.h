@@ -10,7 +10,7 @@ namespace signorini::scene {
 
 /// A unit of measurement, expressed in SI units.
 struct Unit {
-  double factor = 1;              ///< SI units per unit
+  double factor = 1;              ///< value of the unit in SI units
   std::array<int, 3> dimension{}; ///< exponents of m, kg and s
 
   friend bool operator==(const Unit& a, const Unit& b) = default;
@@ -20,7 +20,7 @@ struct Unit {
 /// SI prefixes and whole exponents. Absent if the text is not such a unit.
 std::optional<Unit> unit(std::string_view text);
 
-/// Limits of a number and its unit, for validation and messages.
+/// Limits and unit of a number, for validation and messages.
 struct Limits {
   double least = -std::numeric_limits<double>::infinity();
   double greatest = std::numeric_limits<double>::infinity();

@@ -11,22 +11,21 @@
 /// displacements and velocities, and forces of obstacles computed from contact multipliers.
 namespace signorini::step {
 
-/// Returns the rigid translation by 1 along an axis as a field of V. Collective.
+/// Returns the rigid unit translation along an axis as a field of V. Collective.
 [[nodiscard]] petsc::Vector translation(const fem::Space& space, std::size_t axis);
 
-/// Functional weights·y, the mean of one component of y in V over a set: the group or body whose mass matrix
-/// gave the weights.
+/// Mean of one component of a field y in V over a group or the body, as a functional: the mean is weights·y.
 struct Mean {
   petsc::Vector weights;
-  double measure; ///< e·Me for the translation e along the axis and that matrix M: area, volume or mass
+  double measure; ///< e·Me with the matrix M of mean() and the unit translation e: area, volume or mass
 };
-/// Creates the mean of a component in the product of `matrix`: the L2 product of a group, or a mass matrix.
-/// Collective.
+/// Creates the mean of a component over a group or the body. `matrix`: the L2 product of the group, or a mass
+/// matrix of the body. Collective.
 [[nodiscard]] Mean mean(const fem::Space& space, Mat matrix, std::size_t component);
 
-/// Throws UserError naming `key` if point `number` of `sampler` is outside the body: farther from the mesh
-/// than 1 % of the mesh's diameter, since chords of a coarse mesh cut off a curved boundary. `point`: its
-/// coordinates (m), for the message.
+/// Throws UserError naming `key` if point `number` of `sampler` is farther from the mesh than 1 % of the
+/// mesh's diameter. Nearer points count as inside the body, since a coarse mesh cuts off parts of a curved
+/// body. `point`: its coordinates (m), for the message.
 void require_inside(const fem::Space& space, const fem::Sampler& sampler, std::size_t number,
                     const std::vector<double>& point, const std::string& key);
 
@@ -52,8 +51,8 @@ struct ObstacleComponent {
   int component = 0;
 };
 /// Returns the selected component of the contact force on the body, in the unit of the multipliers `lambda`
-/// (one for each row). `rows`: pairs.rows(); or their derivatives, which give that part of the force's
-/// derivative. Not collective.
+/// (one for each row). `rows`: pairs.rows(), or their derivatives by a parameter. With derivatives, the
+/// result is the derivative of the force at fixed multipliers. Not collective.
 [[nodiscard]] double force_on_body(const contact::ContactPairs& pairs, const contact::ConstraintRows& rows,
                                    ObstacleComponent of, std::span<const double> lambda);
 /// Adds factor times the derivative of the selected force component by the multipliers of pairs.rows() to

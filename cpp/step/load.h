@@ -12,8 +12,8 @@
 
 namespace signorini::step {
 
-/// Linear functional on V in two parts, φ ↦ (density, φ) + vector·φ, with the product of L2. A null part is
-/// zero and costs nothing.
+/// Linear functional on V in two parts, φ ↦ (density, φ) + vector·φ, where (·, ·) is the L2 product. A null
+/// part is zero and costs nothing.
 struct Functional {
   Vec density = nullptr; ///< nodal values; W times these gives the functional's entries
   Vec vector = nullptr;  ///< entries of the functional
@@ -38,8 +38,9 @@ public:
   [[nodiscard]] virtual bool has_vector() const = 0;
   /// Adds the force in `step`, or the dual of the state at its end, to `sum`.
   virtual void add(const TimeStep& step, F sum) const = 0;
-  /// Returns how much a force f varies between two times (s): ∫ |f − f̄| dt, f̄ its mean there, relative to ∫
-  /// |f| dt over the whole motion. 0 if f is constant or no function of time. Collective.
+  /// Returns how much a force f varies between the times `from` and `to` (s): ∫ |f − f̄| dt over this
+  /// interval, where f̄ is the mean of f in it, divided by ∫ |f| dt over the whole motion. Returns 0 if f is
+  /// constant, which the default implementation assumes. Collective.
   [[nodiscard]] virtual double variation(double from, double to) const {
     (void)from, (void)to;
     return 0;
@@ -87,9 +88,9 @@ public:
 /// fem::TimeProfile. A load that does not depend on time is evaluated once.
 class SceneLoad final : public Load {
 public:
-  /// Evaluates the loads that do not depend on time. `M`: mass matrix for the weight; if it is that of the
-  /// inertia too, a free body falls without strain. `end`: end of the motion, s. Collective. The references
-  /// must outlive this object. Throws UserError.
+  /// Evaluates the loads that do not depend on time. `M`: mass matrix that gives the weight. If the steps
+  /// have the same mass matrix (Stepper::M()), a free body falls without strain. `end`: end of the motion, s.
+  /// Collective. The references must outlive this object. Throws UserError.
   SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
@@ -102,18 +103,18 @@ public:
   [[nodiscard]] double variation(double from, double to) const override;
   /// Returns a warning for each load whose time integral misses its tolerance.
   [[nodiscard]] std::vector<Warning> warnings() const;
-  /// Returns the memory of the mass matrices of the tractions' surfaces on all ranks, bytes. Collective.
+  /// Returns the memory, on all ranks, of the mass matrices of surfaces with tractions, bytes. Collective.
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// A load, its nodal values and its contribution to the step force. That is the nodal values themselves for
-  /// a body force, and a matrix times them otherwise: the surface's mass matrix for a traction, M for the
-  /// weight.
+  /// A load, its nodal values and its contribution to the force in a step. The contribution of a body force
+  /// is the nodal values themselves. Other contributions are a matrix times the nodal values: for a traction
+  /// the mass matrix of its surface, for the weight M.
   struct Term {
     fem::TimeProfile profile;
     petsc::Vector nodal;
-    petsc::Matrix surface{}; ///< null for a body force and gravity
-    Mat product = nullptr;   ///< surface or M; null for a body force
+    petsc::Matrix surface{}; ///< mass matrix of a traction's surface; null for other loads
+    Mat product = nullptr;   ///< matrix that multiplies `nodal`: `surface` or M; null for a body force
     petsc::Vector force{};   ///< product · nodal
   };
   /// Creates a term, and evaluates it unless it depends on time.

@@ -55,23 +55,23 @@ void MovingClamps::for_each_dof(Visit&& visit) const {
         visit(static_cast<std::size_t>(node * space_.dim() + c));
 }
 
-MovingClamps::At MovingClamps::storage() const {
-  At at;
+MovingClamps::Evaluation MovingClamps::storage() const {
+  Evaluation at;
   for (petsc::Vector* x : {&at.position, &at.velocity, &at.force, &at.starting_velocity})
     *x = space_.vector();
   return at;
 }
 
-void MovingClamps::evaluate(const TimeStep& step, At& at) const {
+void MovingClamps::evaluate(const TimeStep& step, Evaluation& at) const {
   const double t = step.end, reach = step.k == 0 ? step.tau : -step.tau; // keeps times within the run
-  if (at.t >= 0 && (at_rest_ || (at.t == t && at.reach == reach))) {
-    at.reach = reach;
+  if (at.t >= 0 && (at_rest_ || (at.t == t && at.difference_interval == reach))) {
+    at.difference_interval = reach;
     return;
   }
   static const Slope slope;
   const petsc::WriteArray g(at.position), v(at.velocity);
   at.t = -1;
-  at.reach = reach;
+  at.difference_interval = reach;
   at.forced = 0;
   on_all_ranks(space_.comm(), [&] {
     std::array<double, 3> here{}, there{}, rate{};
@@ -98,12 +98,12 @@ void MovingClamps::evaluate(const TimeStep& step, At& at) const {
   at.t = t;
 }
 
-Vec MovingClamps::starting_velocity(At& at, Vec y, Vec v) const {
+Vec MovingClamps::starting_velocity(Evaluation& at, Vec y, Vec v) const {
   check(VecCopy(v, at.starting_velocity));
   const petsc::ReadArray from(y), to(at.position), before(v), after(at.velocity);
   const petsc::WriteArray values(at.starting_velocity);
   for_each_dof([&](std::size_t dof) {
-    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / std::abs(at.reach);
+    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / std::abs(at.difference_interval);
   });
   return at.starting_velocity;
 }
@@ -114,7 +114,8 @@ void MovingClamps::copy(Vec from, Vec to) const {
   for_each_dof([&](std::size_t dof) { target[dof] = source[dof]; });
 }
 
-void MovingClamps::apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
+void MovingClamps::apply(Evaluation& at, Mat D, const fem::DirichletDofs& clamped, double diagonal,
+                         Vec r) const {
   PetscObjectId id = 0;
   check(PetscObjectGetId(PetscObject(D), &id));
   if (std::exchange(at.forced, id) != id)

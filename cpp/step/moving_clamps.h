@@ -20,27 +20,30 @@ public:
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
 
   /// Values of γ(t_k), m, and γ′(t_k), m/s, on the moving dofs (zero on all others), and scratch vectors.
-  struct At {
-    double t = -1, reach = 0; ///< t_k and signed step of the last evaluation, s; t < 0: none
+  struct Evaluation {
+    double t = -1; ///< t_k of the last evaluation, s; negative: nothing is evaluated yet
+    /// Interval from t_k in which γ is differentiated, s: −τ_k; for k = 0 the first τ.
+    double difference_interval = 0;
     PetscObjectId forced = 0; ///< PETSc's id of the matrix D in `force` = D γ; 0: `force` is not evaluated
     petsc::Vector position, velocity, force, starting_velocity;
   };
   /// Allocates the vectors for evaluate(). Collective.
-  [[nodiscard]] At storage() const;
+  [[nodiscard]] Evaluation storage() const;
   /// Evaluates γ and γ′ at the end of `step` (for k = 0 at t_0) into `at`. Collective. Throws UserError if a
   /// value is not finite.
-  void evaluate(const TimeStep& step, At& at) const;
+  void evaluate(const TimeStep& step, Evaluation& at) const;
 
-  /// Adds the clamps' motion in a step, evaluated in `at`, to `r`, the right-hand side of the system whose D
-  /// has its clamped dofs decoupled. On free dofs this is the force −D γ, with `D` before decoupling. Entries
-  /// on `clamped` dofs become `diagonal` γ, `diagonal` being the decoupled D's entry there. Collective.
-  void apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
-
-  /// Returns the velocity `v` before a step with other values on the moving dofs. With these in the step's
-  /// right-hand side, the mass transfers the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. `y`:
-  /// displacement before the step; `at`: evaluated at its end. The result is stored in at.starting_velocity.
+  /// Adds the clamps' motion in a step, evaluated in `at`, to the right-hand side `r` of the step. Adds the
+  /// force −D γ on free dofs, where `D` is the matrix before its clamped dofs were decoupled. Sets `r` to
+  /// `diagonal` γ on `clamped` dofs, where `diagonal` is the diagonal entry of the decoupled matrix.
   /// Collective.
-  [[nodiscard]] Vec starting_velocity(At& at, Vec y, Vec v) const;
+  void apply(Evaluation& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
+
+  /// Returns the velocity to be used in place of `v` = v_{k−1} in the right-hand side of step k. It differs
+  /// from `v` on the moving dofs, so that the mass transfers the clamps' acceleration (v_k − v_{k−1})/τ to
+  /// the free dofs. `y`: displacement before the step; `at`: evaluated at the end of the step. The result is
+  /// stored in at.starting_velocity. Collective.
+  [[nodiscard]] Vec starting_velocity(Evaluation& at, Vec y, Vec v) const;
 
   /// Copies the entries of the moving dofs from `from` to `to`.
   void copy(Vec from, Vec to) const;

@@ -28,8 +28,8 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
       components_(lambda_.size()) {
   for (petsc::Vector* one : {&sum_, &difference_, &inertia_, &jump_})
     *one = stepper.space().vector();
-  if (stepper.motion())
-    motion_ = stepper.motion()->storage();
+  if (stepper.moving_clamps())
+    motion_ = stepper.moving_clamps()->storage();
   for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
     const scene::Unknown& unknown = scene.unknowns[j];
     Rate& rate = *rates_.emplace_back(std::make_unique<Rate>());
@@ -75,7 +75,7 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
     rate.B = fem::symmetric_half(assembled(unknown.of == bulk ? fem::Form::b_kappa : fem::Form::b_eta));
   else {
     petsc::Matrix M = assembled(fem::Form::m_rho);
-    if (scene::takes_mass(stepper_.contact_scheme()))
+    if (scene::has_massless_candidates(stepper_.contact_scheme()))
       M = contact::redistributed_mass(stepper_.space(), *stepper_.pairs(),
                                       contact::obstacles_without_mass(scene.contacts), M);
     rate.M = fem::symmetric_half(M);
@@ -175,8 +175,8 @@ void ParameterRates::set(const StepMade& made) {
     momentum = inertia_;
   }
   if (motion_) {
-    stepper_.motion()->evaluate(made.step, *motion_);
-    momentum = stepper_.motion()->starting_velocity(*motion_, made.from.y(), momentum);
+    stepper_.moving_clamps()->evaluate(made.step, *motion_);
+    momentum = stepper_.moving_clamps()->starting_velocity(*motion_, made.from.y(), momentum);
   }
   check(VecAXPBY(inertia_, scheme.momentum(), 0, momentum));
   check(VecAXPY(inertia_, -1, difference_));

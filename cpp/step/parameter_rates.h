@@ -24,8 +24,9 @@ struct StepMade {
 /// collective.
 class ParameterRates {
 public:
-  /// Prepares the derivatives by all unknowns of `scene`, which is passed as read. `values`: the unknowns'
-  /// values with which `stepper` was created. `stepper` must outlive this object. Throws UserError.
+  /// Prepares the derivatives by all unknowns of `scene`, the scene as read from its file. `values`: values
+  /// of the unknowns in the scene from which `stepper` was created. `stepper` must outlive this object.
+  /// Throws UserError.
   ParameterRates(const Stepper& stepper, const scene::Scene& scene, std::span<const double> values);
   ~ParameterRates();
 
@@ -80,10 +81,10 @@ private:
   /// z − x.
   petsc::Vector sum_, difference_, inertia_, jump_;
   bool jumps_ = false;                ///< whether Z_k has candidates
-  std::vector<double> lambda_, zeta_; ///< λ_k and ζ_k (m); set only if turn()
+  std::vector<double> lambda_, zeta_; ///< λ_k and ζ_k (rows); set only if turn()
   petsc::Vector work_;
   std::vector<double> components_;
-  std::optional<MovingClamps::At> motion_;
+  std::optional<MovingClamps::Evaluation> motion_;
 };
 
 } // namespace signorini::step

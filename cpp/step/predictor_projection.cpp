@@ -53,7 +53,7 @@ Vec PredictorProjection::linearised_jump(const contact::ActiveSet& set, Vec x, W
   check(VecCopy(x, work.jump));
   contact::LinearisedContact projection{.r = work.r, .set = set, .x = work.jump};
   if (data) {
-    projection.value = data->motion;
+    projection.value = data->normal;
     projection.multipliers = data->multipliers;
   }
   solver_.contact()->solve_linearised(projection, work.solver);

@@ -35,15 +35,15 @@ public:
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                          contact::ActiveSet& set, Workspace& work) const;
 
-  /// Data of an inhomogeneous linearised_jump(): z solves M z + H ζ = M x + force, Hᵀz = motion on the set Z.
+  /// Data of an inhomogeneous linearised_jump(): z solves M z + H ζ = M x + force, Hᵀz = normal on the set Z.
   struct Data {
     Vec force = nullptr;            ///< a functional on V; null: zero
-    std::span<const double> motion; ///< prescribed Hᵀz (rows), m
-    std::span<double> multipliers;  ///< ζ on return (rows), m
+    std::span<const double> normal; ///< prescribed Hᵀz (rows), m
+    std::span<double> multipliers;  ///< ζ on return (rows)
   };
-  /// Returns the jump Πx − x of the projection Π linearised on the set Z, which is stored in `work`; null if
-  /// Z is empty. Π is self-adjoint in the product of M. With `data`, returns z − x for the inhomogeneous
-  /// problem of Data. Collective.
+  /// Returns the jump Πx − x, where Π is the projection linearised on the set Z = `set`; null if Z is empty.
+  /// The jump is stored in `work`. Π is self-adjoint in the product of M. With `data`, returns z − x for the
+  /// inhomogeneous problem of Data. Collective.
   [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
                                     const Data* data = nullptr) const;
 

@@ -179,15 +179,15 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
   const bool automatic = scene.linear == scene::LinearMethod::automatic;
   const auto settle = [&](auto solver, double trailing_block) -> decltype(solver.get()) {
     const double needed = solver->estimate() + dense_bytes(pairs);
-    const bool possible = solver->possible();
+    const bool indexable = solver->indexable();
     std::string compared =
-        possible
+        indexable
             ? fmt::format("a factor needs {:.2g} GB, the limit is {:.2g} GB", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
-    if (automatic && (needed > scene.memory || !possible)) {
+    if (automatic && (needed > scene.memory || !indexable)) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
-      const std::string why = fmt::format("{} ({} by {})", other->name(), compared, solver->name());
+      const std::string why = fmt::format("{} ({}: {})", other->name(), solver->name(), compared);
       iterate(std::move(other), why);
       return nullptr;
     }
@@ -222,7 +222,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
                                                                expected.setup > small_setup / mumps.flops &&
                                                                expected.setup > solves * expected.solve) {
       std::string ignored;
-      if (iterate_if_quicker(expected, "MUMPS (before its analysis)", solves, ignored))
+      if (iterate_if_quicker(expected, "MUMPS (before its analysis of D)", solves, ignored))
         return;
     }
     mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);
@@ -266,7 +266,7 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
   if (iterative_) {
     const double room = scene.memory - linear_->bytes();
     if (!pairs.rows().symmetric() || condense_on_demand(pairs.rows(), solves, D_, room)) {
-      choice_ += "; contact by columns on demand";
+      choice_ += "; contact condensed by columns computed on demand";
       auto columns = std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, D_, room);
       return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
                                                         std::move(columns), contact::Residual(),

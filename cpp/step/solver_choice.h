@@ -10,8 +10,8 @@
 
 namespace signorini::step {
 
-/// Estimated times of a solver in the steps of a run, s, on a machine of fixed rates. The choice of a solver
-/// is thus the same on every machine and under any load.
+/// Estimated times of a solver in the steps of a run, s. Speeds of computing and of memory are constants of
+/// the program, so that the choice of a solver is the same on every machine and under any load.
 struct Price {
   double setup = 0, solve = 0; ///< times of the set-up and of one solve, s
   [[nodiscard]] double total(double solves) const { return setup + solves * solve; }
@@ -22,9 +22,9 @@ struct DirectWork {
   double setup_flops = 0;
   double solve_bytes = 0; ///< bytes that a solve reads
 
-  /// Estimates the work from that of the factor. `candidates`: their number m. `trailing_block`: number of
-  /// unknowns at the candidates' nodes if these come last in the elimination order. Otherwise it is 0, and
-  /// condensation solves for m columns of D⁻¹N.
+  /// Estimates the work from that of the factor. `candidates`: number m of contact candidates.
+  /// `trailing_block`: number of unknowns at the candidates' nodes if these come last in the elimination
+  /// order. Otherwise it is 0, and condensation solves for m columns of D⁻¹N.
   DirectWork(const FactorWork& factor, double candidates, double trailing_block);
 
   /// Returns whether the set-up is so short (below 2e9 operations) that no other solver is worthwhile.
@@ -34,7 +34,8 @@ struct DirectWork {
 /// Returns the price of a direct solver: CHOLMOD on one rank, MUMPS on several.
 Price price(const DirectWork& work, int ranks);
 
-/// Estimates the price of MUMPS for D from D's unknowns and entries, before the analysis. Collective.
+/// Estimates the price of MUMPS from the numbers of unknowns and entries of D, before MUMPS analyses D.
+/// Collective.
 Price expected_mumps_price(Mat D, int ranks);
 
 /// Returns the price of conjugate gradients. `trial_work`: ConjugateGradients::trial_work(), a number of
@@ -42,25 +43,26 @@ Price expected_mumps_price(Mat D, int ranks);
 Price iterative_price(double trial_work, double iteration_bytes, int ranks);
 
 /// Returns the largest trial_work (iterations, see iterative_price()) at which conjugate gradients are chosen
-/// over a direct solver of price `direct`.
+/// over a direct solver of price `direct`, for `solves` solves.
 double affordable(const Price& direct, double solves, double iteration_bytes, int ranks);
 
-/// Returns a lower estimate of a factor's memory on one rank, bytes, without a symbolic analysis. Derives it
-/// from the number of layers of the matrix graph around a node at its rim; 0 if PETSc does not provide the
-/// graph. Not collective.
+/// Returns a lower estimate of a factor's memory on one rank, bytes, without a symbolic analysis. The
+/// estimate follows from the mean size of layers of the matrix graph, sets of nodes at equal distance from a
+/// node at the rim. Returns 0 if PETSc does not provide the graph. Not collective.
 double least_factor_bytes(Mat D);
 
-/// Solvers for the steps of a run, as the scene's [solver] says. This is a factorisation (CHOLMOD on one
-/// rank, MUMPS on several) with contact condensed to the candidates, or conjugate gradients. The latter are
-/// chosen where the factor would exceed the memory limit or take clearly longer.
+/// Solvers for the steps of a run, chosen as the scene's [solver] says. The choice is between a factorisation
+/// (CHOLMOD on one rank, MUMPS on several) with contact condensed to the candidates, and conjugate gradients.
+/// If the choice is automatic, conjugate gradients are taken if the factor would exceed the memory limit or
+/// take clearly longer.
 class SolverChoice {
 public:
   /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs`: null without contact.
   /// `derivatives`: whether linearised or transposed steps are needed. `solves`: expected number of solves,
   /// for comparing times; 0: memory alone decides. `order`: elimination order of a matrix with the same
-  /// sparsity, if available. `residual`: computes the residual of D for CondensedSolver, since a factorised D
-  /// is not stored. Collective; every rank makes the same choice. The references must outlive this object.
-  /// Throws SolverFailure.
+  /// sparsity, if available. `residual`: computes r − D y for CondensedSolver, since a factorised D is not
+  /// stored. Collective; every rank makes the same choice. The references must outlive this object. Throws
+  /// SolverFailure.
   SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
                bool derivatives, double solves = 0, const EliminationOrder& order = {},
                contact::Residual residual = {});
@@ -95,13 +97,15 @@ public:
 private:
   void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                  const EliminationOrder& order);
-  /// Chooses conjugate gradients if they are estimated to be faster, and returns whether it did. Otherwise
-  /// sets `compared` to the reason for the solver named `direct`.
+  /// Chooses conjugate gradients and returns true if they are estimated to be faster than the solver named
+  /// `direct`, whose price is `factor`. Otherwise returns false and sets `compared` to a text that compares
+  /// the times. Leaves `compared` unchanged if there is no preconditioner.
   bool iterate_if_quicker(const Price& factor, const std::string& direct, double solves,
                           std::string& compared);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
-  /// Creates the contact solver for the chosen linear solver: condensed to the candidates or, for conjugate
-  /// gradients, projected onto the active set or with columns on demand.
+  /// Creates the contact solver for the chosen linear solver. With a factorisation, contact is condensed to
+  /// the candidates. With conjugate gradients, iterations are projected onto the active set, or contact is
+  /// condensed with columns of D⁻¹N that are computed on demand.
   [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
                                                                       const scene::Solver& scene,
                                                                       double solves,

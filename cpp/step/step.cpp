@@ -68,16 +68,16 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
   const double solves = step_lengths_ ? 0 : needs.passes * scene.time.steps;
-  if (scene::takes_mass(contact_scheme_))
+  if (scene::has_massless_candidates(contact_scheme_))
     move_mass(scene);
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
                        needs.derivatives, solves);
   thread_products(M());
   if (MovingClamps::in(scene.clamps))
-    motion_.emplace(space, scene.clamps);
+    moving_clamps_.emplace(space, scene.clamps);
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
-                   motion_.has_value(), [this, &materials = scene.materials](double tau) {
+                   moving_clamps_.has_value(), [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
                      if (redistributed_mass_) {
                        check(MatAXPY(D, -1, mass_blocks_, SUBSET_NONZERO_PATTERN));
@@ -108,8 +108,8 @@ Stepper::Workspace Stepper::workspace() const {
   }
   if (predictor_)
     work.predictor = predictor_->workspace();
-  if (motion_)
-    work.motion = motion_->storage();
+  if (moving_clamps_)
+    work.moving_clamps = moving_clamps_->storage();
   return work;
 }
 
@@ -175,14 +175,14 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
                                           out.contact.predictor, *work.predictor)
                        : nullptr;
   Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved); // v_{k−1} + j/τ
-  if (motion_) {
-    motion_->evaluate(in.step, *work.motion);
-    momentum = motion_->starting_velocity(*work.motion, in.from.y(), momentum);
+  if (moving_clamps_) {
+    moving_clamps_->evaluate(in.step, *work.moving_clamps);
+    momentum = moving_clamps_->starting_velocity(*work.moving_clamps, in.from.y(), momentum);
   }
   // (4.21): r = R y_{k−1} + τ M (v_{k−1} + j/τ) + τ²/2 (f_k + s W u_k)
   right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
-  if (motion_)
-    motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
+  if (moving_clamps_)
+    moving_clamps_->apply(*work.moving_clamps, with.whole_D, clamped_, with.clamped_diagonal, work.r);
   // (4.21): D y_k + N λ_k = r, 0 ≤ λ_k ⊥ g(y_k) ≥ 0
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
     const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
@@ -190,8 +190,8 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   } else
     with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to); // (4.22)
-  if (motion_)
-    motion_->copy(work.motion->velocity, out.to.v());
+  if (moving_clamps_)
+    moving_clamps_->copy(work.moving_clamps->velocity, out.to.v());
   PetscReal size = 0;
   check(VecNorm(out.to.v(), NORM_2, &size));
   if (!std::isfinite(size))
@@ -226,7 +226,7 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
                               Workspace& work) const {
   const contact::ConstraintRows& rows = pairs_->rows();
   if (!rows.symmetric())
-    throw std::logic_error("one-sided steps are those of symmetric laws");
+    throw std::logic_error("one-sided steps need symmetric contact laws");
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m), lambda(m);
   rows.spread(contact, lambda);

@@ -56,23 +56,23 @@ struct StepInput {
   const contact::ContactLinearisation& previous; ///< contact in step k − 1
 };
 
-/// Results of step k. `contact` must be constructed for the candidates; to.y() is a guess on entry if the
-/// solver takes one.
+/// Results of step k. `contact` must be created by Stepper::contact_state(). If the solver takes a guess,
+/// to.y() contains the guess on entry.
 struct StepOutput {
   State& to; ///< state at t_k
   contact::ContactState& contact;
 };
 
-/// Data of a linearised step k for a change δload of the force: from (δy, δv) at t_{k−1} to that at t_k. The
-/// active set is passed separately.
+/// Data of a linearised step k, which leads from the state (δy, δv) at t_{k−1} to the state at t_k. `load` is
+/// the change of the force in the step. The active set is passed separately.
 struct LinearisedStep {
   Scheme scheme;
   const State& from;
   NodalForce load;
-  State& to;                        ///< (δy, δv) at t_k; y() as in StepOutput
+  State& to;                        ///< (δy, δv) at t_k; on entry y() is a guess as in StepOutput
   std::span<const double> normal{}; ///< prescribed Hᵀδy on the active set (rows, m); empty: zero
-  std::span<double> multipliers{};  ///< δλ on return (rows, m); empty: not computed
-  const PredictorProjection::Data* predictor = {}; ///< data of the projection to δz; null: none
+  std::span<double> multipliers{};  ///< δλ on return (rows); empty: not computed
+  const PredictorProjection::Data* predictor = {}; ///< data of an inhomogeneous projection to δz; else null
 };
 
 /// Scheme and contact of a step, which determine its derivative.
@@ -87,9 +87,10 @@ struct AdjointStep {
   std::optional<StepContact> next;  ///< step k + 1; none for k = N
   StateDual derivative;             ///< ∂J/∂y_k
   AdjointState& state;              ///< adjoint of step k + 1 on entry, of step k on return
-  std::span<const double> normal{}; ///< prescribed Hᵀp_k = ∂J/∂λ_k on the active set (rows, m); empty: zero
-  std::span<double> multipliers{};  ///< μ_k on return (rows, m); empty: not computed
-  const PredictorProjection::Data* predictor = {}; ///< data of the projection of s_{k+1}; null: none
+  std::span<const double> normal{}; ///< prescribed Hᵀp_k = ∂J/∂λ_k on the active set (rows); empty: zero
+  std::span<double> multipliers{};  ///< μ_k on return (rows); empty: not computed
+  const PredictorProjection::Data* predictor = {}; ///< data of an inhomogeneous projection of s_{k+1} (see
+                                                   ///< Stepper::adjoint_step()); else null
 };
 
 /// Makes time steps, linearised steps and transposed steps (docs/method.md sections 2 and 4). Stores the data
@@ -104,8 +105,8 @@ public:
     bool iterative = false;   ///< whether the solver must be iterative, as that of the resumed run was
   };
 
-  /// Assembles the operators, and factorises D for the first step length. Collective. The references must
-  /// outlive this object. Throws UserError, SolverFailure.
+  /// Finds the contact candidates, and assembles and factorises D for the first step length. Collective. The
+  /// references must outlive this object. Throws UserError, SolverFailure.
   Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
 
   Stepper(const Stepper&) = delete; // its members refer to each other
@@ -115,8 +116,8 @@ public:
   [[nodiscard]] const StepLengths* step_lengths() const { return step_lengths_ ? &*step_lengths_ : nullptr; }
   /// Returns the end time of the motions, s.
   [[nodiscard]] double end() const { return end_; }
-  /// Returns the length assumed for a first step whose length is not chosen yet, s: the shortest, or
-  /// time.step.
+  /// Returns the length assumed for the first step before its length is chosen, s: time.step or, with
+  /// automatic steps, the shortest length.
   [[nodiscard]] double first_length() const { return first_length_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
@@ -128,9 +129,9 @@ public:
   /// next step. Collective.
   [[nodiscard]] const StepOperators::PerStepLength& of_length(double tau) const { return lengths_->at(tau); }
   /// Number of factorisations so far, repeated ones included.
-  [[nodiscard]] int factorisations() const { return lengths_->made(); }
+  [[nodiscard]] int factorisations() const { return lengths_->factorisations(); }
   /// Total time of the factorisations, s.
-  [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
+  [[nodiscard]] double factorisation_seconds() const { return lengths_->factorisation_seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// Returns the mass matrix M of this run: the body's or, with massless contact, EᵀME (docs/method.md
   /// section 2).
@@ -138,7 +139,9 @@ public:
   /// Returns the projection of the predictor; null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Returns the moving clamps; null if no clamp moves.
-  [[nodiscard]] const MovingClamps* motion() const { return motion_ ? &*motion_ : nullptr; }
+  [[nodiscard]] const MovingClamps* moving_clamps() const {
+    return moving_clamps_ ? &*moving_clamps_ : nullptr;
+  }
   /// Returns the contact candidates; null without contact.
   [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
 
@@ -173,7 +176,7 @@ public:
     std::optional<contact::ContactPairs::Gaps> gaps{};
     std::optional<contact::Workspace> contact{};
     std::optional<PredictorProjection::Workspace> predictor{};
-    std::optional<MovingClamps::At> motion{};
+    std::optional<MovingClamps::Evaluation> moving_clamps{};
   };
   /// Creates a workspace. Collective.
   [[nodiscard]] Workspace workspace() const;
@@ -241,7 +244,7 @@ private:
   std::optional<StepLengths> step_lengths_;
   double end_, first_length_;
   fem::DirichletDofs clamped_;
-  std::optional<MovingClamps> motion_;
+  std::optional<MovingClamps> moving_clamps_;
   std::optional<contact::ContactPairs> pairs_;
   petsc::Matrix redistributed_mass_; ///< symmetric half of EᵀME; null unless contact is massless
   petsc::Matrix mass_blocks_, redistributed_blocks_; ///< mass matrix of the body, and EᵀME, in blocks

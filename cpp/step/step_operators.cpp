@@ -28,8 +28,8 @@ const StepOperators::PerStepLength& StepOperators::at(double tau) const {
   }
   const auto start = std::chrono::steady_clock::now();
   lengths_.push_front(make(tau));
-  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  ++made_;
+  factorisation_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ++factorisations_;
   return lengths_.front();
 }
 
@@ -56,7 +56,7 @@ StepOperators::PerStepLength StepOperators::make(double tau) const {
   fem::attach_rigid_motions(D, space_);
   made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, derivatives_, solves_, order_,
                                                residual(tau, made.R));
-  if (made_ == 0) {
+  if (factorisations_ == 0) {
     scene_.linear = made.solver->iterates() ? scene::LinearMethod::iterative : scene::LinearMethod::direct;
     order_ = made.solver->order();
   }

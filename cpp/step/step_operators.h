@@ -40,9 +40,9 @@ public:
   [[nodiscard]] const PerStepLength& latest() const { return lengths_.front(); }
 
   /// Number of factorisations so far, repeated ones included.
-  [[nodiscard]] int made() const { return made_; }
+  [[nodiscard]] int factorisations() const { return factorisations_; }
   /// Total time of the factorisations so far, s.
-  [[nodiscard]] double seconds() const { return seconds_; }
+  [[nodiscard]] double factorisation_seconds() const { return factorisation_seconds_; }
 
 private:
   [[nodiscard]] PerStepLength make(double tau) const;
@@ -60,8 +60,8 @@ private:
   Assemble assemble_;
   mutable EliminationOrder order_;           ///< elimination order of the first length; empty before
   mutable std::list<PerStepLength> lengths_; ///< most recently used first
-  mutable int made_ = 0;
-  mutable double seconds_ = 0;
+  mutable int factorisations_ = 0;
+  mutable double factorisation_seconds_ = 0;
 };
 
 } // namespace signorini::step

@@ -10,8 +10,8 @@
 namespace signorini::step {
 
 /// Lengths that automatic steps may have: τ_max 2^−j at the levels j = 0 … levels. The motion is a whole
-/// number of steps of length τ_max. A step begins at a multiple of its own length; all motions thus end at
-/// the same time, to the last bit.
+/// number of steps of length τ_max. A step begins at a multiple of its own length, so that steps of any
+/// lengths fill the motion exactly and all motions end at the same time, to the last bit.
 struct StepLengths {
   double end;  ///< end of the motion, s
   int longest; ///< number of steps of length τ_max in the motion
@@ -70,7 +70,7 @@ public:
   [[nodiscard]] int steps() const;
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const;
-  /// Returns whether all steps have the length time.step.
+  /// Returns whether the grid has equal steps rather than automatic ones.
   [[nodiscard]] bool equal() const { return !steps_->step_lengths; }
 
   /// Returns t_k, s.
@@ -99,7 +99,7 @@ private:
   friend class TimeGridBuilder;
   struct Steps {
     double tick; ///< length of which all step lengths are multiples, s
-    int count;   ///< number of steps, if they are equal
+    int count;   ///< number of equal steps; 0 for automatic steps
     std::optional<StepLengths> step_lengths;
     std::vector<std::int64_t> ticks; ///< t_k in units of the shortest length
   };

@@ -40,7 +40,7 @@ Approach::Approach(const step::Stepper& stepper, const scene::Scene& scene, cons
     for (std::size_t i = 0; i < pairs->psi().size(); ++i) {
       std::vector<double>& points = points_[pairs->obstacles()[i]];
       points.insert(points.end(), &pairs->points()[3 * i], &pairs->points()[3 * i] + 3);
-      free_ = free_ && !held(i);
+      all_candidates_movable_ = all_candidates_movable_ && !immovable(i);
     }
   for (std::size_t o = 0; o < obstacles_.size(); ++o)
     for (scene::Field& field : fields_of(scene.contacts[o].obstacle)) // candidates are on every rank
@@ -59,9 +59,9 @@ Approach::Approach(const step::Stepper& stepper, const scene::Scene& scene, cons
   }
 }
 
-bool Approach::held(std::size_t candidate) const {
+bool Approach::immovable(std::size_t candidate) const {
   const std::size_t k = errors_.rigid().count();
-  const auto first = errors_.normal_motions().begin() + static_cast<std::ptrdiff_t>(candidate * k);
+  const auto first = errors_.rigid_along_normals().begin() + static_cast<std::ptrdiff_t>(candidate * k);
   return std::all_of(first, first + static_cast<std::ptrdiff_t>(k), [](double x) { return x == 0; });
 }
 
@@ -70,7 +70,7 @@ Approach::Along Approach::along(std::size_t candidate) const {
   const std::size_t k = errors_.rigid().count();
   Along sum;
   for (std::size_t j = 0; j < k; ++j) {
-    const double factor = errors_.normal_motions()[candidate * k + j];
+    const double factor = errors_.rigid_along_normals()[candidate * k + j];
     sum.position += factor * now.position[j];
     sum.velocity += factor * now.velocity[j];
     sum.acceleration += factor * now.acceleration[j];
@@ -85,14 +85,15 @@ double Approach::until_touch(double t) const {
     return least;
   for (std::size_t i = 0; i < pairs->psi().size(); ++i) {
     const auto o = static_cast<std::size_t>(pairs->obstacles()[i]);
-    if (!obstacles_[o].empty() || errors_.contact(o) || held(i))
+    if (!obstacles_[o].empty() || errors_.contact(o) || immovable(i))
       continue;
     const Along body = along(i);
     // The later of two times: the rigid motion comes within reach of the vibration; the gap closes at the
     // rigid velocity plus twice the largest rate of the vibration.
     const double beyond = first_root(pairs->psi()[i] - body.position - errors_.reach(o), -body.velocity,
                                      -body.acceleration),
-                 by_gap = first_root(errors_.gaps()[i], -std::max(body.velocity, 0.0) - 2 * errors_.swing(o),
+                 by_gap = first_root(errors_.gaps()[i],
+                                     -std::max(body.velocity, 0.0) - 2 * errors_.deformation_rate(o),
                                      -std::max(body.acceleration, 0.0));
     least = std::min(least, std::max(beyond, by_gap));
   }
@@ -119,8 +120,9 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
     return std::ranges::any_of(candidates, [&](std::size_t i) { return within_reach(i, place); });
   };
   // Candidates clamped within reach vibrate there and do not indicate that the obstacle approaches.
-  std::erase_if(candidates,
-                [&, place = shape.place(t)](std::size_t i) { return held(i) && within_reach(i, place); });
+  std::erase_if(candidates, [&, place = shape.place(t)](std::size_t i) {
+    return immovable(i) && within_reach(i, place);
+  });
   if (touches(t))
     return 0;
   // The intervals double, so that near times are sampled densely.
@@ -137,13 +139,13 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
   return never;
 }
 
-bool Approach::smooth(double from, double to, double deep, double part) const {
+bool Approach::smooth(double from, double to, double obstacle_tolerance, double clamp_fraction) const {
   for (std::size_t o = 0; o < obstacles_.size(); ++o)
     for (const std::unique_ptr<fem::TimeProfile>& profile : obstacles_[o])
-      if (errors_.contact(o) && profile->deviation(from, to) > deep)
+      if (errors_.contact(o) && profile->deviation(from, to) > obstacle_tolerance)
         return false;
   return std::ranges::all_of(clamps_, [&](const std::unique_ptr<fem::TimeProfile>& profile) {
-    return profile->deviation(from, to) <= part * profile->range();
+    return profile->deviation(from, to) <= clamp_fraction * profile->range();
   });
 }
 

@@ -23,12 +23,12 @@ public:
   /// of an obstacle that is not in contact. 0 if a candidate is within reach at `t`, infinite if none comes
   /// within reach before the end of the motion. Not collective.
   [[nodiscard]] double until_touch(double t) const;
-  /// Returns whether the body flies freely: clamps leave every candidate a rigid motion along its normal.
-  [[nodiscard]] bool free() const { return free_; }
+  /// Returns whether every candidate can move along its normal by a rigid motion that the clamps permit.
+  [[nodiscard]] bool all_candidates_movable() const { return all_candidates_movable_; }
   /// Returns whether moving clamps, and moving obstacles in contact, nearly follow a parabola between two
-  /// times (s). An obstacle may deviate by `deep` (m), a clamp by the fraction `part` of its range of motion.
-  /// Collective.
-  [[nodiscard]] bool smooth(double from, double to, double deep, double part) const;
+  /// times (s). An obstacle may deviate by `obstacle_tolerance` (m), a clamp by the fraction `clamp_fraction`
+  /// of its range of motion. Collective.
+  [[nodiscard]] bool smooth(double from, double to, double obstacle_tolerance, double clamp_fraction) const;
 
 private:
   /// Rigid motion of a candidate along its normal ν: displacement (m), velocity (m/s), acceleration (m/s²).
@@ -37,14 +37,15 @@ private:
   };
   [[nodiscard]] Along along(std::size_t candidate) const;
   /// Returns whether no rigid motion that clamps permit moves the candidate along ν.
-  [[nodiscard]] bool held(std::size_t candidate) const;
+  [[nodiscard]] bool immovable(std::size_t candidate) const;
   [[nodiscard]] double until_moving(std::size_t obstacle, double t) const;
 
   const step::Stepper& stepper_;
   const StepErrors& errors_;
-  bool free_ = true;
+  bool all_candidates_movable_ = true;
   std::vector<std::vector<double>> points_; ///< points of each obstacle's candidates (candidates × 3), m
-  std::vector<std::vector<std::unique_ptr<fem::TimeProfile>>> obstacles_; ///< moving data of each obstacle
+  /// Time-dependent points, radii and distances of each obstacle; none for an obstacle at rest.
+  std::vector<std::vector<std::unique_ptr<fem::TimeProfile>>> obstacles_;
   std::vector<std::vector<double>> clamped_; ///< points of each moving clamp (nodes × 3), m
   std::vector<std::unique_ptr<fem::TimeProfile>> clamps_;
 };

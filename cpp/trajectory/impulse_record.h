@@ -36,19 +36,21 @@ public:
   /// longer.
   [[nodiscard]] Mean largest_mean(double window) const;
   /// Comparison of the largest mean force F(w) over windows of length w with those over w/2, 2 w and 4 w. For
-  /// a smooth force, means over w fall below the peak by a term in w². The excess F(w)/F(2 w) − 1 is then at
-  /// most that of a half sine with the impulse's duration, and at most (F(2 w) − F(4 w))/(4 F(2 w)).
+  /// a smooth force, F(w) is less than the peak by a term proportional to w². Two bounds for the excess
+  /// F(w)/F(2 w) − 1 follow: (F(2 w) − F(4 w))/(4 F(2 w)), and the excess of a half sine that lasts as long
+  /// as the impulse.
   struct Peak {
     Mean mean;           ///< F(w) with its window
     double twice = 0;    ///< F(2 w), N
     double excess = 0;   ///< F(w)/F(2 w) − 1
-    double expected = 0; ///< largest excess of a smooth force
+    double expected = 0; ///< largest excess of a smooth force: the lower one of the bounds
     bool smooth = false; ///< whether F(w/2) − F(w) is at most (F(w) − F(2 w))/2
   };
   /// Returns the comparison of largest means for windows of length `window` (s). total() must not be zero.
   [[nodiscard]] Peak peak(double window) const;
 
-  /// Returns the ends of steps after the initial 0, s, except for those inside an interval without force.
+  /// Returns the time 0 and the ends of the steps, s. Ends of steps inside an interval without force are
+  /// omitted.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
 
 private:

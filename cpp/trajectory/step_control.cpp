@@ -55,7 +55,7 @@ void StepControl::start(Vec y, Vec v, const step::ForceAtStep& load) {
   stored_ = flight_steps_ = rejected_ = least_level_ = 0;
   fresh_ = false;
   time_ = 0;
-  let_go_ = false;
+  vibration_ignored_ = false;
   std::ranges::fill(rejections_, 0);
   // An undeformed body that only rigid forces drive stays so, and steps of any length are exact.
   const fem::RigidMotions& rigid = errors_.rigid();
@@ -85,18 +85,19 @@ double StepControl::limit(double tau) const {
   const double each = std::pow(tolerance_, 1.5) * errors_.scale(); // e ∼ τ³, the error of all steps ∼ τ²
   if (errors_.contact())
     return each;
-  if (lets_vibration_go())
+  if (ignores_vibration())
     return std::numeric_limits<double>::infinity();
-  const double until = approach_.free() ? until_touch_ : errors_.closing(),
+  const double until = approach_.all_candidates_movable() ? until_touch_ : errors_.closing(),
                flight = time_ - errors_.last_contact().end + std::min(until, stepper_.end() - time_);
   return std::min(each, tolerance_ * tau / (2 * flight) * errors_.scale()); // phases add up
 }
 
-bool StepControl::lets_vibration_go() const {
-  if (let_go_ || errors_.without_phases() <= tolerance_ * errors_.scale())
+bool StepControl::ignores_vibration() const {
+  if (vibration_ignored_ || errors_.without_phases() <= tolerance_ * errors_.scale())
     return true;
-  return quantity_ == scene::StepQuantity::contact_force && stepper_.pairs() && approach_.free() &&
-         std::isinf(until_touch_) && !(load_->variation(time_, stepper_.end()) > 0);
+  return quantity_ == scene::StepQuantity::contact_force && stepper_.pairs() &&
+         approach_.all_candidates_movable() && std::isinf(until_touch_) &&
+         !(load_->variation(time_, stepper_.end()) > 0);
 }
 
 int StepControl::judged(const Frame& frame) {
@@ -114,7 +115,8 @@ int StepControl::judged(const Frame& frame) {
     const double thirds = std::min(std::ceil(std::log2(step.error / most) / 6), most_levels);
     again += std::max(least_shortening, 2 * static_cast<int>(thirds));
   }
-  if (errors_.contact() && forces_matter() && step.bend > tolerance_ * errors_.last_contact().largest_force)
+  if (errors_.contact() && forces_matter() &&
+      step.force_curvature > tolerance_ * errors_.last_contact().largest_force)
     again = std::max(again, level + least_shortening);
   return std::min(again, floor_);
 }
@@ -139,9 +141,10 @@ bool StepControl::accepts(const Frame& frame) {
   time_ = frame.step.end;
   strained_ = strained_ || errors_.contact();
   flight_steps_ = errors_.contact() ? 0 : flight_steps_ + 1;
-  let_go_ =
+  vibration_ignored_ =
       !errors_.contact() &&
-      (let_go_ || flight_steps_ > std::max(most_flight, most_of_contact * errors_.last_contact().steps));
+      (vibration_ignored_ ||
+       flight_steps_ > std::max(most_flight, most_of_contact * errors_.last_contact().steps));
   level_ = steps_.complete() ? level : next(level);
   MPI_Bcast(&level_, 1, MPI_INT, 0, stepper_.space().comm());
   if (level_ < level && fresh_ && stored_ > 2)
@@ -174,21 +177,21 @@ int StepControl::next(int level) {
   until_touch_ = approach_.until_touch(time_);
   const double left = step_lengths.end - time_, ahead = std::min(until_touch_, left);
   if (errors_.contact()) {
-    level = worth(grown(level), std::min(lasts(), ahead));
-  } else if (!strained_ || lets_vibration_go()) {
-    level = worth(longest_within(ahead), ahead);
+    level = affordable_level(grown_level(level), std::min(expected_contact_time(), ahead));
+  } else if (!strained_ || ignores_vibration()) {
+    level = affordable_level(longest_within(ahead), ahead);
   } else {
-    level = worth(grown(level), ahead);
+    level = affordable_level(grown_level(level), ahead);
   }
   if (step_lengths.length(level) > until_touch_)
-    level = worth(longest_within(until_touch_), ahead);
+    level = affordable_level(longest_within(until_touch_), ahead);
   const auto resolved = [&](int one) {
     const double to = std::min(time_ + step_lengths.length(one), step_lengths.end);
     return load_->variation(time_, to) <= of_load * tolerance_ &&
            approach_.smooth(time_, to, of_load * tolerance_ * errors_.scale(), of_load * tolerance_);
   };
   while (level < floor_ && !resolved(level))
-    level = worth(std::min(level + apart_levels, floor_), left);
+    level = affordable_level(std::min(level + apart_levels, floor_), left);
   return level;
 }
 
@@ -200,7 +203,7 @@ int StepControl::longest_within(double time) const {
   return level;
 }
 
-int StepControl::worth(int level, double ahead) const {
+int StepControl::affordable_level(int level, double ahead) const {
   const step::StepLengths& step_lengths = steps_.step_lengths();
   int known = std::max(level, steps_.least_level());
   while (!used_[known])
@@ -211,7 +214,7 @@ int StepControl::worth(int level, double ahead) const {
   return saved > price_ ? level : known;
 }
 
-int StepControl::grown(int level) {
+int StepControl::grown_level(int level) {
   const step::StepLengths& step_lengths = steps_.step_lengths();
   const double tau = step_lengths.length(level);
   const int steps = apart * (stored_ - 1);
@@ -236,13 +239,13 @@ int StepControl::grown(int level) {
   return longer;
 }
 
-double StepControl::lasts() const {
+double StepControl::expected_contact_time() const {
   const double since = time_ - errors_.last_contact().begin;
   return std::max(waves_ - since, since);
 }
 
 bool StepControl::forces_matter() const {
-  return quantity_ == scene::StepQuantity::contact_force || approach_.free();
+  return quantity_ == scene::StepQuantity::contact_force || approach_.all_candidates_movable();
 }
 
 bool StepControl::forces_agree(double tau) const {

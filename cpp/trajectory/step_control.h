@@ -40,27 +40,28 @@ private:
   /// StepErrors::Step::error. Infinite where vibration need not be resolved.
   [[nodiscard]] double limit(double tau) const;
   /// Returns whether the next steps need not resolve the body's vibration.
-  [[nodiscard]] bool lets_vibration_go() const;
+  [[nodiscard]] bool ignores_vibration() const;
   /// Returns the level of the next step, which begins at time_, after a step of level `level`.
   [[nodiscard]] int next(int level);
-  /// Returns the level of the longest step to which a run of equal steps of level `level` may grow, by its
-  /// estimated errors.
-  [[nodiscard]] int grown(int level);
+  /// Returns the level of the next step after a run of equal steps of level `level`: a lower level, of longer
+  /// steps, if estimated errors and contact forces permit it, else `level`.
+  [[nodiscard]] int grown_level(int level);
   /// Returns whether contact forces must be accurate: time.quantity requires it, or they determine the flight
   /// of a free body.
   [[nodiscard]] bool forces_matter() const;
-  /// Returns whether recent mean forces over the windows of longer steps agree with those over window_.
-  /// `tau`: present step length, s.
+  /// Returns whether recent mean contact forces over windows of 8 `tau` agree with means over 2 window_ about
+  /// the same times, to half of the tolerance. `tau`: present step length, s.
   [[nodiscard]] bool forces_agree(double tau) const;
-  /// Returns the time that contact is expected to last from now on, s: until waves return, or as long as it
-  /// has lasted so far.
-  [[nodiscard]] double lasts() const;
+  /// Returns the time that contact is expected to last from now on, s: the time until waves return or, if
+  /// longer, the time that it has lasted so far.
+  [[nodiscard]] double expected_contact_time() const;
   /// Returns the level of the longest step that fits into `time` (s), among lengths of 1, 16, 256, … times
   /// the floor's.
   [[nodiscard]] int longest_within(double time) const;
-  /// Returns `level` if steps of that length may begin now and, within the time `ahead` (s), save the cost of
-  /// a factorisation that is missing. Otherwise returns the next level of shorter steps that was used before.
-  [[nodiscard]] int worth(int level, double ahead) const;
+  /// Returns `level` if a step of this level may begin now, and if the level was used before or its steps
+  /// save more than the cost of a factorisation within the time `ahead` (s). Otherwise returns the next
+  /// higher level, of shorter steps, that was used before.
+  [[nodiscard]] int affordable_level(int level, double ahead) const;
   /// Stores displacements of a run of equal steps, four steps apart.
   void remember(const Frame& frame);
 
@@ -75,17 +76,18 @@ private:
   StepErrors errors_;
   Approach approach_;
   const step::ForceAtStep* load_ = nullptr;
-  /// Whether a level was used; its factor may be discarded since, so that memory has no influence.
+  /// Whether each level was used. Levels whose factor was discarded count as used, so that the choice of
+  /// lengths does not depend on the memory limit.
   std::vector<bool> used_;
   std::vector<int> rejections_; ///< number of rejections, by level
   int level_ = 0, rejected_ = 0;
   bool strained_ = true;              ///< whether the body is, or may be, deformed
-  bool let_go_ = false;               ///< whether the vibration of the present flight is ignored
+  bool vibration_ignored_ = false;    ///< whether the vibration of the present flight is ignored
   int flight_steps_ = 0;              ///< steps since contact ended
   double time_ = 0, until_touch_ = 0; ///< end of the last accepted step; time from then to the next touch, s
   int stored_ = 0;                    ///< number of displacements stored in the present run of equal steps
   bool fresh_ = false;                ///< whether the last step stored a displacement
-  int least_level_ = 0;               ///< least level of the next step, after the last accepted one
+  int least_level_ = 0;               ///< TimeGridBuilder::least_level() after the last accepted step
   std::array<petsc::Vector, 4> displacements_; ///< stored displacements, four steps apart, the latest first
   petsc::Vector difference_;
 };

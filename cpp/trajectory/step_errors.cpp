@@ -55,7 +55,7 @@ StepErrors::StepErrors(const step::Stepper& stepper, const scene::Scene& scene)
   }
   open_.resize(static_cast<std::size_t>(pairs->obstacle_count()));
   reach_.resize(open_.size());
-  swing_.resize(open_.size());
+  deformation_rate_.resize(open_.size());
   deformed_.resize(m);
 }
 
@@ -65,7 +65,7 @@ void StepErrors::start(Vec y, Vec v) {
   means_[1].middle = 0;
   rigid_state_ = {rigid_.coefficients(y), rigid_.coefficients(v), std::vector<double>(rigid_.count())};
   std::ranges::fill(open_, ended);
-  for (std::vector<double>* values : {&reach_, &swing_, &deformed_})
+  for (std::vector<double>* values : {&reach_, &deformation_rate_, &deformed_})
     std::ranges::fill(*values, 0);
   active_.clear();
   gaps_before_.clear();
@@ -185,7 +185,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
     force_of_two_ = (tau * frame.normal_force() + last_length_ * last_force_) / (tau + last_length_);
     constexpr double parabola = 6;
-    step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
+    step.force_curvature = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
     for (const int i : frame.contact.active)
       step.touches |= !contact(static_cast<std::size_t>(pairs->obstacles()[i]));
     step.touches = step.touches || passes(frame);
@@ -235,14 +235,14 @@ void StepErrors::take_deformation(const Frame& frame) {
     const double tau = frame.step.tau;
     for (std::size_t o = 0; o < reach_.size(); ++o)
       if (contact(o))
-        reach_[o] = swing_[o] = 0;
+        reach_[o] = deformation_rate_[o] = 0;
     for (std::size_t i = 0; i < gaps_.size(); ++i) {
       const auto o = static_cast<std::size_t>(pairs->obstacles()[i]);
       double along = psi[i] - frame.contact.gap[i];
       for (std::size_t j = 0; j < k; ++j)
         along -= rigid_state_.position[j] * normal_[i * k + j];
       reach_[o] = std::max(reach_[o], std::abs(along));
-      swing_[o] = std::max(swing_[o], std::abs(along - deformed_[i]) / tau);
+      deformation_rate_[o] = std::max(deformation_rate_[o], std::abs(along - deformed_[i]) / tau);
       deformed_[i] = along;
     }
     most = reach_.empty() ? 0 : std::ranges::max(reach_);
@@ -346,15 +346,16 @@ std::vector<Warning> StepErrors::warnings() const {
       drift_ > most)
     found.push_back({"rounding in flight",
                      fmt::format("the body flies so long before the touch at t = {:.6g} s that rounding may "
-                                 "turn it. It turns by {:.2g} of its motion while a wave crosses an element "
-                                 "(limit {:.2g}); start the motion nearer to the touch",
+                                 "turn it. The rotation moves nodes by {:.2g} times the path of the body "
+                                 "while a wave crosses an element (limit {:.2g}). Start the motion nearer to "
+                                 "the touch",
                                  begins_.front(), drift_, most),
                      drift_, most});
   if (const double sum = contact_error_ / scale_, most = most_accumulated * tolerance_; sum > most)
     found.push_back(
         {"accumulated error",
-         fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, above 5 "
-                     "times time.tolerance = {:g}: forces may be wrong; lower time.tolerance",
+         fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, above "
+                     "{:g} (5 times time.tolerance): forces may be wrong; lower time.tolerance",
                      sum, most),
          sum, most});
   if (const Contact& few = coarsest_contact(); few.impulse > tolerance_ * force_.total())
@@ -381,12 +382,13 @@ std::optional<Warning> StepErrors::wave_peak_warning() const {
                peak.expected + (peak.mean.end > first_long_ ? after_long_steps : unlike) * tolerance_);
   if (!(peak.excess > most))
     return std::nullopt;
+  const char* const unit = stepper_.space().dim() == 2 ? "N/m" : "N";
   return Warning{
       peak_of_the_mesh,
       fmt::format(
-          "the largest mean force is {:.4g} over {:.2g} s and {:.4g} over twice that time, so that the peak "
+          "the largest mean force is {:.4g} {} over {:.2g} s, but {:.4g} {} over twice that time: the peak "
           "depends on elements and steps. Refine the mesh, lower time.tolerance, or compare impulses",
-          peak.mean.force, peak.mean.over, peak.twice),
+          peak.mean.force, unit, peak.mean.over, peak.twice, unit),
       peak.excess, most};
 }
 

@@ -27,9 +27,9 @@ public:
 
   /// Error estimates of one step.
   struct Step {
-    double error = 0;     ///< e, in the unit of scale(), less the part that rounding may cause
-    double bend = 0;      ///< |second difference|/6 of the normal force's means over two steps, N
-    bool touches = false; ///< whether the step touches an obstacle that was not in contact before
+    double error = 0; ///< e without its rounding error, in the unit of scale(); 0 for the shortest steps
+    double force_curvature = 0; ///< |second difference|/6 of F̄, the mean normal force over two steps, N
+    bool touches = false;       ///< whether the step touches an obstacle that was not in contact before
   };
   /// Estimates the errors of the step after the last accepted one. Collective.
   Step judge(const Frame& frame);
@@ -47,13 +47,13 @@ public:
 
   /// Returns D, the scale of errors: the largest deformation of candidates along ν so far, m. Without
   /// candidates it is the largest root mean square of the deformation, m. With time.quantity = "energy" it is
-  /// the root of twice the largest elastic energy, √J.
+  /// the root of twice the largest elastic energy, in √J (J: joule).
   [[nodiscard]] double scale() const { return scale_; }
   /// Returns the error e of steps of length τ from the third difference of four displacements at
   /// intervals of τ. `y`: a displacement, for the size of rounding. Collective.
   double error_of(Vec third_difference, Vec y);
-  /// Returns whether contact lasts in the last accepted step: at most two steps without an active candidate
-  /// follow the last step with one.
+  /// Returns whether contact lasts in the last accepted step. Contact ends with the third step in a row that
+  /// has no active candidate.
   [[nodiscard]] bool contact() const { return contact_.lasts; }
   /// Returns whether contact with an obstacle lasts in the last accepted step, with pauses of at most two
   /// steps.
@@ -81,20 +81,21 @@ public:
   }
   /// Returns the products of the candidates' normals ν_i with the rigid motions in rigid() (candidates ×
   /// rigid motions).
-  [[nodiscard]] const std::vector<double>& normal_motions() const { return normal_; }
+  [[nodiscard]] const std::vector<double>& rigid_along_normals() const { return normal_; }
   /// Returns R, the largest deformation along ν of an obstacle's candidates since its last contact ended, m.
   [[nodiscard]] double reach(std::size_t obstacle) const { return reach_[obstacle]; }
   /// Returns the largest rate of deformation along ν of an obstacle's candidates since its last contact
   /// ended, m/s.
-  [[nodiscard]] double swing(std::size_t obstacle) const { return swing_[obstacle]; }
+  [[nodiscard]] double deformation_rate(std::size_t obstacle) const { return deformation_rate_[obstacle]; }
   /// Returns the candidates' gaps after the last accepted step, m.
   [[nodiscard]] const std::vector<double>& gaps() const { return gaps_; }
   /// Returns the least time in which a gap closes at its rate in the last step, s; infinite if no gap closes.
   [[nodiscard]] double closing() const;
   /// Returns the root mean square of a field over the body, weighted by mass. Collective.
   [[nodiscard]] double size(Vec x);
-  /// Returns the error (root mean square over time, in the unit of scale()) of a vibration whose phase since
-  /// the end of contact is lost. Infinite until waves have crossed the body.
+  /// Returns the error of a vibration whose phase is lost since the end of contact, in the unit of scale():
+  /// √2 times the root mean square of the deformation in the flight. Infinite until a wave has crossed the
+  /// body.
   [[nodiscard]] double without_phases() const;
 
   /// Returns warnings of effects that the steps did not resolve, at the end of a motion.
@@ -118,8 +119,8 @@ private:
   void take_rigid(const Frame& frame);
   void take_deformation(const Frame& frame);
   void take_contact(const Frame& frame);
-  /// Returns the contact of few steps with the largest impulse: coarsest_, or contact_ if that is one of few
-  /// steps.
+  /// Returns the contact with the largest impulse among contacts of fewer than few_steps steps. Its number of
+  /// steps is 0 if there is no such contact.
   [[nodiscard]] const Contact& coarsest_contact() const {
     const bool coarser =
         contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse;
@@ -127,8 +128,8 @@ private:
   }
   /// Sets drift_ at the first touch.
   void judge_flight(const Frame& frame);
-  /// Returns a warning if the largest force is that of a single wave, which depends on the mesh and the
-  /// steps.
+  /// Returns a warning if the largest force seems to be that of a single wave. Such a force depends on the
+  /// mesh and the steps.
   [[nodiscard]] std::optional<Warning> wave_peak_warning() const;
 
   const step::Stepper& stepper_;
@@ -142,17 +143,18 @@ private:
   /// Mean velocities over the step judged and the two before it, the latest first.
   std::array<Mean, 3> means_;
   int known_ = 0;    ///< number of entries of means_ that precede the step judged
-  double error_ = 0; ///< error of the step judged, with its weight in a flight
+  double error_ = 0; ///< error of the step judged; multiplied by of_shortest if the step is a shortest one
   std::optional<contact::ContactPairs::Gaps> psi_;
   std::vector<double> normal_;
   RigidState rigid_state_;
   std::vector<double> gaps_, gaps_before_; ///< gaps after the last and the next-to-last accepted step, m
   std::vector<int> open_;                  ///< number of steps since the last one in contact, by obstacle
-  std::vector<double> reach_, swing_;      ///< largest deformation along ν, m, and its rate, m/s, by obstacle
-  std::vector<double> deformed_;           ///< deformation along ν, after the last accepted step (m)
+  /// Largest deformation along ν, m, and its rate, m/s, by obstacle.
+  std::vector<double> reach_, deformation_rate_;
+  std::vector<double> deformed_; ///< deformation along ν, after the last accepted step (m)
   double scale_ = 0;
   struct Flight {
-    double time = 0, squares = 0, error = 0; ///< duration, s; ∫ ‖deformation‖² dt; Σ e
+    double time = 0, squares = 0, error = 0; ///< duration so far, s; ∫ ‖deformation‖² dt; sum of errors e
   } flight_;
   contact::ActiveSet active_; ///< active set of the last accepted step
   ImpulseRecord force_;
@@ -163,12 +165,13 @@ private:
   // for warnings():
   double contact_error_ = 0; ///< Σ e of steps in contact that are longer than the shortest
   struct Vibration {
-    double time = 0, amplitude = 0, error = 0; ///< time of a touch, s; of the vibration before it
+    double time = 0, amplitude = 0, error = 0; ///< time of a touch, s; largest deformation along ν, m,
+                                               ///< and error of the vibration before the touch
   } vibration_;
-  /// Motion at the first touch from rotation by rounding, relative to the approach while a wave crosses an
-  /// element.
+  /// Estimated displacement at the first touch from a rotation that rounding causes, divided by the distance
+  /// by which a gap closes while a wave crosses an element.
   double drift_ = 0;
-  Contact coarsest_;           ///< contact of few steps with the largest impulse
+  Contact coarsest_;           ///< contact with the largest impulse among earlier contacts of few steps
   std::vector<double> begins_; ///< times at which contact began, s
   double first_long_ = 0;      ///< begin of the first step in contact that is longer than the shortest, s
 };

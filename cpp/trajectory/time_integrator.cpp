@@ -131,13 +131,13 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
   petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
   // Clamps' velocity after one step: the scale of the error of differences even if they start at rest.
   PetscReal later = 0;
-  if (stepper.motion()) {
-    step::MovingClamps::At at = stepper.motion()->storage();
+  if (stepper.moving_clamps()) {
+    step::MovingClamps::Evaluation at = stepper.moving_clamps()->storage();
     const double tau = stepper.first_length();
-    stepper.motion()->evaluate({.tau = tau}, at);
+    stepper.moving_clamps()->evaluate({.tau = tau}, at);
     check(VecCopy(at.position, y_held));
     check(VecCopy(at.velocity, v_held));
-    stepper.motion()->evaluate({1, 0, tau, tau}, at);
+    stepper.moving_clamps()->evaluate({1, 0, tau, tau}, at);
     check(VecNorm(at.velocity, NORM_INFINITY, &later));
   }
   // The clamps' velocity is taken by differences and agrees with the scene's only up to their error, which is
@@ -153,10 +153,10 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
     return hold_clamped(stepper, x, held, tolerance, scale, key);
   };
   given(scene.displacement, "initial.displacement", y_held, rounding, 0, y);
-  const petsc::Vector written =
-      given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
-  if (stepper.motion())
-    stepper.motion()->copy(written, v);
+  const petsc::Vector written = given(scene.velocity, "initial.velocity", v_held,
+                                      stepper.moving_clamps() ? differences : rounding, later, v);
+  if (stepper.moving_clamps())
+    stepper.moving_clamps()->copy(written, v);
   if (stepper.pairs())
     contact::place_outside(*stepper.pairs(), y);
   return start;

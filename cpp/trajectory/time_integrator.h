@@ -36,7 +36,7 @@ private:
 };
 
 /// State of an integration at t_k: the data on which later steps depend, except for the contact of step k.
-/// Steps from a copy are equal to the last bit.
+/// Steps made from a copy give the same states to the last bit.
 struct Checkpoint {
   int k = 0;
   step::State state;
@@ -67,7 +67,7 @@ public:
   /// Makes `step`, which must begin at the current time. Throws SolverFailure naming the step, after which
   /// only restart() and resume() may be called.
   void advance(const step::TimeStep& step);
-  /// Undoes the last step; further steps cannot be undone.
+  /// Undoes the last step. Earlier steps cannot be undone.
   void take_back();
 
   /// Returns the current step number and state; k < 0 before the first restart() or resume() and after a

@@ -171,17 +171,17 @@ StateStoreFactory::StateStoreFactory(const step::Stepper& stepper, const step::T
   pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(grid.steps() - 1.0, 0.0))));
 }
 
-std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator, bool whole) const {
+std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator, bool whole_states) const {
   if (pool_)
     return std::make_unique<Checkpoints>(stepper_, grid_, pool_, integrator, timers_);
   if (in_memory())
-    return std::make_unique<InMemory>(stepper_, grid_.steps(), parts(whole));
-  return std::make_unique<OnDisk>(stepper_, grid_.steps(), parts(whole), timers_);
+    return std::make_unique<InMemory>(stepper_, grid_.steps(), parts(whole_states));
+  return std::make_unique<OnDisk>(stepper_, grid_.steps(), parts(whole_states), timers_);
 }
 
-double StateStoreFactory::bytes(bool whole) const {
+double StateStoreFactory::bytes(bool whole_states) const {
   return pool_ ? static_cast<double>(pool_->room) * Checkpoint::bytes(stepper_)
-               : static_cast<double>(parts(whole)) * sizeof(PetscScalar) *
+               : static_cast<double>(parts(whole_states)) * sizeof(PetscScalar) *
                      static_cast<double>(stepper_.space().dofs()) * (grid_.steps() + 1.0);
 }
 
@@ -217,7 +217,7 @@ long steps_made(int steps, int slots) {
 }
 
 Trajectory::Trajectory(const step::Stepper& stepper, const step::State& initial,
-                       const StateStoreFactory& storage, bool whole)
+                       const StateStoreFactory& storage, bool whole_states)
     : stepper_(stepper), grid_(storage.grid()), contact_(static_cast<std::size_t>(grid_.steps()) + 1),
       now_(stepper.contact_state()), work_(stepper.workspace()),
       integrator_(stepper, initial,
@@ -226,7 +226,7 @@ Trajectory::Trajectory(const step::Stepper& stepper, const step::State& initial,
                     stepper_.step({step, from, acting_, contact_[static_cast<std::size_t>(step.k) - 1]},
                                   {to, now_}, work_);
                   }),
-      states_(storage.place(integrator_, whole)) {}
+      states_(storage.place(integrator_, whole_states)) {}
 
 void Margins::take(const contact::ContactState& contact, step::Scheme scheme) {
   for (std::size_t i = 0; i < contact.status.size(); ++i)

@@ -17,8 +17,8 @@ public:
   /// Stores the state `now`. States are passed in the order k = 0 … N; k = 0 starts a new motion. Throws
   /// WriteFailure.
   virtual void keep(const Checkpoint& now) = 0;
-  /// Returns the state at t_k, equal to the last bit; only its displacement unless whole states are stored.
-  /// Valid until the next call. Throws WriteFailure, SolverFailure.
+  /// Returns the state at t_k, equal to the stored one to the last bit. Contains only the displacement unless
+  /// the store was created for whole states. Valid until the next call. Throws WriteFailure, SolverFailure.
   virtual const step::State& at(int k) = 0;
 };
 
@@ -26,27 +26,32 @@ public:
 /// memory, in files on disk, or a few checkpoints in memory from which the other states are recomputed.
 class StateStoreFactory {
 public:
-  /// `share`: fraction of the scene's budget that these stores may use. All stores share the checkpoints.
-  /// They belong to the store that was used last; those of other stores are discarded. The references must
-  /// outlive this object. Throws UserError if the budget does not suffice for one checkpoint.
+  /// `share`: fraction of the scene's budget that these stores may use. All stores share one pool of
+  /// checkpoints. A store that is used takes over the pool, and the checkpoints of the store used before are
+  /// discarded. The references must outlive this object. Throws UserError if the budget does not suffice for
+  /// one checkpoint.
   StateStoreFactory(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Trajectory& scene,
                     double share, Timers& timers);
 
   /// Creates a store for the states of the motion of `integrator`, which recomputes states that are not
-  /// stored. `whole`: stores whole states, otherwise displacements alone. This object and the integrator must
-  /// outlive the store. Collective. Throws WriteFailure.
-  [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool whole = false) const;
+  /// stored. `whole_states`: stores whole states, otherwise displacements alone. This object and the
+  /// integrator must outlive the store. Collective. Throws WriteFailure.
+  [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator,
+                                                  bool whole_states = false) const;
 
   /// Returns the time grid of the motions.
   [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
   [[nodiscard]] bool in_memory() const { return scene_.storage == scene::Storage::memory; }
-  /// Returns the memory or disk space on all ranks, bytes: of one motion's store, with `whole` as in place().
-  /// With checkpoints, which contain whole states, it is that of all checkpoints. Collective.
-  [[nodiscard]] double bytes(bool whole = false) const;
+  /// Returns the memory or disk space, on all ranks, that the store of one motion takes, bytes.
+  /// `whole_states`: as in place(). With checkpoints, returns the memory of all checkpoints together, which
+  /// contain whole states. Collective.
+  [[nodiscard]] double bytes(bool whole_states = false) const;
 
 private:
   /// Returns the number of vectors of a stored state.
-  [[nodiscard]] std::size_t parts(bool whole) const { return whole ? stepper_.state_parts() : 1; }
+  [[nodiscard]] std::size_t parts(bool whole_states) const {
+    return whole_states ? stepper_.state_parts() : 1;
+  }
 
   struct Pool;
   class InMemory;
@@ -64,15 +69,16 @@ private:
 /// needed from the last to the first, the first one and s others (slots) can be kept, and the rest are
 /// recomputed from the nearest checkpoint before them.
 
-/// Returns the number of steps from the last checkpoint to the next one, for `steps` ≥ 1 from the last
-/// checkpoint on and `slots` ≥ 1 still free.
+/// Returns the number of steps from the last checkpoint to the next one. `steps` ≥ 1: number of steps from
+/// the last checkpoint to the last state that is still needed; `slots` ≥ 1: number of free slots.
 int next_checkpoint(int steps, int slots);
 
-/// Returns the total number of steps of binomial checkpointing for a motion of `steps` steps, the first run
-/// included; the minimum over all choices of checkpoints.
+/// Returns the number of steps that binomial checkpointing makes in total to reverse a motion of `steps`
+/// steps, its first run included. No other choice of checkpoints needs fewer steps.
 long steps_made(int steps, int slots);
 
-/// Least contact force and least open gap of a motion: the margins by which its active sets would change.
+/// Least contact force and least open gap of a motion. Its active sets remain the same as long as forces and
+/// gaps change by less.
 struct Margins {
   double least_force = std::numeric_limits<double>::infinity(),
          largest_force = 0;                             ///< least and largest force of closed candidates, N
@@ -89,10 +95,10 @@ struct Margins {
 /// in memory. All members are collective.
 class Trajectory final : public step::Displacements {
 public:
-  /// `initial`: state at t_0; `whole`: at() returns whole states, otherwise displacements alone. The
+  /// `initial`: state at t_0; `whole_states`: at() returns whole states, otherwise displacements alone. The
   /// references must outlive this object. Throws WriteFailure.
   Trajectory(const step::Stepper& stepper, const step::State& initial, const StateStoreFactory& storage,
-             bool whole = false);
+             bool whole_states = false);
   Trajectory(const Trajectory&) = delete; // its members refer to it
   Trajectory& operator=(const Trajectory&) = delete;
 

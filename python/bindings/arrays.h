@@ -47,7 +47,7 @@ inline void require_shape(const Given& given, const std::vector<std::size_t>& sh
   for (std::size_t axis = 0; axis < given.ndim(); ++axis)
     found.push_back(given.shape(axis));
   if (found != shape)
-    throw std::invalid_argument(fmt::format("found an array of shape ({}), but this is ({}), {}",
+    throw std::invalid_argument(fmt::format("found an array of shape ({}); expected ({}): {}",
                                             fmt::join(found, ", "), fmt::join(shape, ", "), meaning));
 }
 

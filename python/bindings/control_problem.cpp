@@ -135,7 +135,7 @@ public:
     std::string wrong;
     try {
       if (order)
-        require_shape(given, {order->size()}, "one entry for each value of all ranks");
+        require_shape(given, {order->size()}, "one entry for each value of the control on all ranks");
       else
         require_shape(given, {static_cast<std::size_t>(count), controls().size()},
                       "intervals x values of this rank");
@@ -150,7 +150,8 @@ public:
       return anywhere;
     });
     if (any)
-      throw std::invalid_argument(wrong.empty() ? "another rank's array is refused" : wrong);
+      throw std::invalid_argument(wrong.empty() ? "the array of another rank has a wrong shape, nan or inf"
+                                                : wrong);
     return {order ? order->of(all) : std::vector<double>(all.begin(), all.end()), count};
   }
 
@@ -308,8 +309,9 @@ void bind_metric(nb::class_<Reduced>& bound_class) {
                  [&, a = self.control(d)] { return control::riesz_representative(self.controls(), a); }));
            })
       .def_prop_ro("diagonal", [](const Reduced& self) { return self.controls().diagonal(); })
-      .def("weights",
-           [](const Reduced& self) { return array_of(alone([&] { return self.controls().weights(); })); });
+      .def("weights", [](const Reduced& self) {
+        return array_of(alone([&] { return self.controls().diagonal_weights(); }));
+      });
 }
 
 } // namespace

@@ -88,7 +88,7 @@ private:
 
   /// Copies θ. Throws std::invalid_argument unless it has one value of each unknown.
   [[nodiscard]] std::vector<double> values(const Given& theta) const {
-    require_shape(theta, {scene().unknowns.size()}, "one value of each unknown");
+    require_shape(theta, {scene().unknowns.size()}, "one value for each unknown");
     const std::span<const double> given = values_of(theta);
     return {given.begin(), given.end()};
   }

@@ -21,7 +21,7 @@ Rows::Rows(std::size_t size, const Places& start, const Places& stride, const Gi
   const auto end = static_cast<std::int64_t>(size) - static_cast<std::int64_t>(components);
   for (std::size_t i = 0; i < places && last >= 0; ++i)
     if (start_[i] < 0 || stride_[i] < 0 || start_[i] + last * stride_[i] > end)
-      throw std::invalid_argument("rows: a place lies outside of the array");
+      throw std::invalid_argument("rows: start and stride lead outside of the array");
 }
 
 template <std::size_t components>
@@ -41,8 +41,9 @@ void Rows::fill(std::span<const double> values, std::size_t j, std::vector<doubl
 template <class Take>
 void Rows::each_row(std::span<const double> values, Take&& take) const {
   if (values.size() != size_)
-    throw std::invalid_argument(fmt::format("found an array of {} entries; expected {} x {} of all ranks",
-                                            values.size(), rows(), size_ / std::max<std::size_t>(rows(), 1)));
+    throw std::invalid_argument(
+        fmt::format("found an array of {} entries; expected {} x {}, the values on all ranks", values.size(),
+                    rows(), size_ / std::max<std::size_t>(rows(), 1)));
   const std::size_t components = start_.empty() ? 1 : width() / start_.size();
   std::vector<double> row(width());
   for (std::size_t j = 0; j < rows(); ++j) {

@@ -37,7 +37,7 @@ def fixed(values: np.ndarray | None) -> np.ndarray | None:
 def shaped(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Returns the array unchanged. Raises ValueError if its shape differs from `shape`."""
     if np.shape(values) != shape:
-        raise ValueError(f"found an array of shape {np.shape(values)}, but this is {shape}")
+        raise ValueError(f"found an array of shape {np.shape(values)}; expected {shape}")
     return values
 
 

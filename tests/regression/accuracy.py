@@ -81,7 +81,7 @@ def test_optimum(optimum: Optimum, ranks: int) -> None:
     assert found["asked"] == 1e-2 and abs(found["estimated"] - sum(found[k] for k in ("space", "time", "search"))) < 1e-12
     assert error < found["asked"] and error / 3 < found["estimated"] < 3 * error
     assert touched(out)
-    assert re.search(r"^0.01 of J asked, .* estimated .*: met; .* half of this error would take about", said, re.MULTILINE), said
+    assert re.search(r"^relative error of J: 0.01 requested, .* estimated .*: met; .* half of the estimated error would take about", said, re.MULTILINE), said
     assert best["accuracy"]["estimated"] <= 1e-3 and len(best["optimizer"]["coarse_levels"]) >= 2
 
 
@@ -138,7 +138,7 @@ def test_given_mesh_is_refined(optimum: Optimum, ranks: int, tmp_path: Path) -> 
     assert {p.name for p in tmp_path.iterdir()} == FILES | {"mesh.msh"}
 
 
-PAGES = {"auto": ("The mesh, and each cell", "0.001 of J asked"), "lengths": ("Length of the steps over time",)}
+PAGES = {"auto": ("The mesh, and each cell", "relative error of J: 0.001 requested"), "lengths": ("Length of the steps over time",)}
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -174,7 +174,7 @@ def test_budget(verb: str, scene: Path, more: tuple[str, ...], tmp_path: Path) -
     assert found["accuracy"]["estimated"] > 10 * 1e-7, "the budget would have been enough"
     assert not list(tmp_path.glob(".unfinished*")) and (tmp_path / "state.h5").is_file()
     if verb == "optimize":  # whose error is known from the first round on
-        assert float(re.search(r"the error asked would take about (\S+) s", said)[1]) > seconds, said
+        assert float(re.search(r"the requested error would take about (\S+) s", said)[1]) > seconds, said
 
 
 @pytest.mark.parametrize("ranks, which", ((1, signal.SIGINT), (2, signal.SIGUSR1)))
@@ -221,7 +221,7 @@ def test_motion_on_varying_sizes(drop: float, tmp_path: Path) -> None:
     assert found["accuracy"]["estimated"] <= 1e-2 and "element sizes graded by the error of the stress" in said and (out / "mesh.msh").is_file()
     least, largest, cells = re.findall(r"^element sizes graded by the error of the stress: from (\S+) to (\S+) m, (\d+) elements$", said, re.MULTILINE)[-1]
     assert float(least) < float(largest) and int(cells) == found["cells"]
-    took, half = map(float, re.search(r"(\S+) s of them for this run; half of this error would take about (\S+) s", said).groups())
+    took, half = map(float, re.search(r"(\S+) s for this run, \S+ s in all; half of the estimated error would take about (\S+) s", said).groups())
     assert half > 1.5 * took  # order 2 in space: twice the cells, and no fewer steps
     signorini("simulate", out / "scene.toml", there)  # which names the mesh that was kept
     assert manifest(there)["cells"] == found["cells"]

@@ -152,7 +152,7 @@ def test_doubtful_times_are_warned_of(measured: Path, scale: float, text: str) -
 def test_table_of_a_load_in_other_units(measured: Path, verb: str) -> None:
     (measured / "push.csv").write_text("time,push\n" + "".join(f"{t},{-t}\n" for t in range(0, 101)))  # of milliseconds
     command = [str(SIGNORINI), verb, str(measured / "scene.toml"), "--set", 'load.body=["0", {file = "push.csv", column = "push"}]']
-    text = f"load.body: {measured}/push.csv: the run, from 0 to 0.6 s, uses one of 100 intervals of the table, from 0 to 100 s"
+    text = f"load.body: {measured}/push.csv: the run, from 0 to 0.6 s, uses one of 100 intervals of the table, whose times range from 0 to 100 s"
     if verb == "simulate":
         command += ["--replace", "--out", str(measured / "out")]
     assert text in captured(command).stdout

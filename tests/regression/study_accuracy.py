@@ -102,7 +102,7 @@ def test_pressure_of_hertz(press: dict[str, np.ndarray], degree: int) -> None:
 
 def recommended(folder: Path, title: str) -> list[tuple[float, float, float]]:
     """Tolerance, size and step of what a study's sentences recommend for a quantity."""
-    said = [re.match(rf"for (\S+) % in {title}: size (\S+), step ([^,]+),", text)
+    said = [re.match(rf"for an error of (\S+) % in {title}: size (\S+), step ([^,]+),", text)
             for text in json.loads((folder / "study.json").read_text())["sentences"]]  # fmt: skip
     return [(float(found[1]) / 100, float(found[2]), float(found[3])) for found in said if found]
 

@@ -58,7 +58,7 @@ def test_recommended_tolerance(searched: SimpleNamespace) -> None:
     error = table(searched.out / "study.csv")["J_estimate"][0]
     cheapest = next(i for i in np.argsort(rows["seconds"]) if rows["J_above_least"][i] <= error / 10)
     tolerance, percent = f"{rows['tolerance'][cheapest]:.3g}", f"{100 * error:.2g} %"
-    assert f"optimizer.tolerance = {tolerance} leaves less than a tenth of the error that size and step cause in J, {percent}" in sentence
+    assert f"size and step cause an error of {percent} in J. A search with optimizer.tolerance = {tolerance} adds less than a tenth" in sentence
     assert sentence in searched.said
 
 

@@ -69,7 +69,7 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
             "slower than in any solid of 7850 kg/m³"},                    // MPa
            {{"material.density=7850000"}, "more than that of any solid"}, // g/m³
            {{steel, "time={end = 1e-4, step = 1e-5}"}, "before a wave has crossed the body of 1 m"},
-           {{steel, slow}, "only slower motions are resolved"},
+           {{steel, slow}, "such steps resolve no waves, only slower motions"},
            {{"contact.obstacle={shape=\"half-space\", point=[0, 0], normal=[0, -1]}"},
             "% of the body is inside the obstacle"},
            {{"clamp=[{on=\"free\", components=[\"x\"]}]", "mesh.file=../../meshes/bar.geo", "mesh.size=0.5",

@@ -182,18 +182,18 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
                           {"clamp=[{on=\"boundary\", value=[\"0.3*t^2\", \"0.2*x*t\"]}]",
                            "initial.velocity=[\"0\", \"0.2*x\"]", "load.body=[\"0\", \"0\"]"});
   const step::Stepper& stepper = ready.problem.stepper;
-  REQUIRE(stepper.motion());
-  step::MovingClamps::At at = stepper.motion()->storage();
+  REQUIRE(stepper.moving_clamps());
+  step::MovingClamps::Evaluation at = stepper.moving_clamps()->storage();
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
   const int k = GENERATE(4, 1, 0, 3);
   CAPTURE(k);
-  stepper.motion()->evaluate(ready.problem.grid.step(2), at);
-  stepper.motion()->evaluate(ready.problem.grid.step(k), at);
+  stepper.moving_clamps()->evaluate(ready.problem.grid.step(2), at);
+  stepper.moving_clamps()->evaluate(ready.problem.grid.step(k), at);
   const double t = ready.problem.grid.time(k);
   ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false), 0,
                                   moving);
   check(VecZeroEntries(exact));
-  stepper.motion()->copy(moving, exact);
+  stepper.moving_clamps()->copy(moving, exact);
   CHECK(test::difference(at.velocity, exact) < 1e-9);
 }
 

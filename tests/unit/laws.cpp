@@ -24,13 +24,13 @@ class Coulomb final : public contact::Law {
 public:
   explicit Coulomb(double mu) : mu_(mu) {}
   [[nodiscard]] bool symmetric() const override { return false; }
-  [[nodiscard]] bool open(std::span<const double> U) const override { return U[0] >= 0; }
+  [[nodiscard]] bool stays_open(std::span<const double> U) const override { return U[0] >= 0; }
   [[nodiscard]] bool closes(bool, double, double) const override { std::abort(); }
   [[nodiscard]] bool closes_to_first_order(bool, double, double, double, double) const override {
     std::abort();
   }
-  [[nodiscard]] bool next(std::span<const double> rho, std::span<const double> U, double compliance,
-                          contact::LawEquation& equation) const override {
+  [[nodiscard]] bool newton_equation(std::span<const double> rho, std::span<const double> U,
+                                     double compliance, contact::LawEquation& equation) const override {
     std::array<double, 2> sigma{};
     for (std::size_t c = 1; c < rho.size(); ++c)
       sigma[c - 1] = rho[c] - U[c] / compliance;

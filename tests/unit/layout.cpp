@@ -39,7 +39,7 @@ struct Body {
   /// The entry of a vector at a component of a virtual node. Collective.
   double at(Vec x, std::size_t node, int component) const {
     double value = 0;
-    if (space.layout().here())
+    if (space.layout().owns_virtual_nodes())
       value = petsc::ReadArray(
           x)[static_cast<std::size_t>(virtual_dof(space.layout(), node) + component - space.first_dof())];
     MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, space.comm());
@@ -47,7 +47,7 @@ struct Body {
   }
   void set(Vec x, std::size_t node, int component, double value) const {
     const petsc::WriteArray values(x);
-    if (space.layout().here())
+    if (space.layout().owns_virtual_nodes())
       values[static_cast<std::size_t>(virtual_dof(space.layout(), node) + component - space.first_dof())] =
           value;
   }
@@ -68,7 +68,7 @@ TEST_CASE("virtual nodes stand behind the mesh's, and no form couples them", "[f
   CHECK(body.space.dofs() == plain.space.dofs() + 4);
   CHECK(body.space.first_dof() == plain.space.first_dof());
   CHECK(virtual_dof(layout, 1) == body.space.dofs() - 2);
-  CHECK(layout.nodes() - layout.mesh_nodes() == (layout.here() ? 2 : 0));
+  CHECK(layout.nodes() - layout.mesh_nodes() == (layout.owns_virtual_nodes() ? 2 : 0));
   const petsc::Vector x = test::smooth(body.space, 1), like = test::smooth(plain.space, 1);
   for (std::size_t node = 0; node < 2; ++node)
     for (int c = 0; c < 2; ++c)

@@ -239,8 +239,9 @@ TEST_CASE("columns are converted by the units of their names", "[scene]") {
   // A name that matches whole is that name, whose values are as they are; it is said.
   const scene::TableColumn whole = scene::read_column("t,x [mm]\n0,5\n1,7\n", "x [mm]", {"m"});
   CHECK(whole.values == std::vector<double>{5, 7});
-  CHECK_THAT(scene::input_warnings(whole, 1).at(0).message, ContainsSubstring("column = \"x\" converts it"));
-  CHECK(scene::doubts_as_data(whole, 1).size() == 1);
+  CHECK_THAT(scene::input_warnings(whole, 1).at(0).message,
+             ContainsSubstring("to convert them, set column = \"x\""));
+  CHECK(scene::data_warnings(whole, 1).size() == 1);
   CHECK(scene::input_warnings(scene::read_column("t,x [1]\n0,5\n1,7\n", "x [1]"), 1).empty());
   // Of both names the one that matches whole counts, and a bracket within a name is part of it.
   CHECK(scene::TimeSeries("t,x [mm],x\n0,5,8\n1,7,9\n", "x").values() == std::vector<double>{8, 9});
@@ -286,16 +287,16 @@ TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
     CHECK(warnings.front().value > warnings.front().limit);
   };
   one(scene::input_warnings(table("t,v", 10, 11), 0.5), "uses one of 10 intervals", 10);
-  one(scene::input_warnings(table("t,v", 10, 11), 1), "a column \"t [ms]\" is converted", 10);
+  one(scene::input_warnings(table("t,v", 10, 11), 1), "those of a column \"t [ms]\" are converted", 10);
   CHECK(scene::input_warnings(table("t,v", 10, 11), 1.5).empty());
-  one(scene::input_warnings(table("t,v", 1000, 100'001), 0.5), "a thousandth of the table or less", 2000);
-  one(scene::input_warnings(table("t,v", 1000, 2), 1), "a thousandth of the table or less", 1000); // in ms
+  one(scene::input_warnings(table("t,v", 1000, 100'001), 0.5), "at most a thousandth of the table", 2000);
+  one(scene::input_warnings(table("t,v", 1000, 2), 1), "at most a thousandth of the table", 1000); // in ms
   CHECK(scene::input_warnings(table("t [s],v", 1000, 100'001), 0.5).empty());
   CHECK(scene::input_warnings(table("t,v", 1, 2), 0.5).empty()); // all that it has
-  one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, but the run at 1.2 s", 2);
-  CHECK(scene::doubts_as_data(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
-  one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "a thousandth of the run's 2 s or less", 2000);
-  one(scene::doubts_as_data(table("t [s],v", 1e-3, 11), 2), "is not compared with data", 19990);
+  one(scene::data_warnings(table("t,v", 1, 11), 1.2), "the data end at 1 s, but the run at 1.2 s", 2);
+  CHECK(scene::data_warnings(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
+  one(scene::data_warnings(table("t,v", 1e-3, 11), 2), "a thousandth of the run's 2 s or less", 2000);
+  one(scene::data_warnings(table("t [s],v", 1e-3, 11), 2), "is not compared with data", 19990);
 }
 
 TEST_CASE("a time series stands where an expression of time may", "[scene]") {

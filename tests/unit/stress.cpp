@@ -62,7 +62,7 @@ double volume(const mesh::Mesh& mesh, std::int32_t cell) {
     return &geometry.x()[3 * static_cast<std::size_t>(
                                  nodes(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
   });
-  return simplex.volume() / (mesh.dim() == 2 ? 2 : 6);
+  return simplex.abs_determinant() / (mesh.dim() == 2 ? 2 : 6);
 }
 
 double contract(std::span<const double> a, std::span<const double> b) {

@@ -199,7 +199,7 @@ TEST_CASE("the finest rung's error bar is that of its row and its column, and of
     result.measured->unknowns = 12;
   CHECK_FALSE(errors(D, same, {}).bar->size);
   CHECK(errors(D, same, {}).bar->step);
-  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % from the step only, sizes not verified");
+  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % from the step only, error of the size unknown");
   // J of one rung beside another of half the size: parts of opposite sign do not make up for each other.
   const Quantity J{"J", "J", ""};
   std::vector<RungResult> two{run(2, 10, 1, 0), run(1, 10, 2, 0)};
@@ -219,10 +219,13 @@ TEST_CASE("the cheapest rung for each tolerance is named, and what is out of rea
   REQUIRE(said.size() == 4);
   // The first rung is as near as the last by luck: 9 % off with half the step.
   const std::string there = "at this rung and all finer ones)";
-  CHECK(said[0] == "for 10 % in Q: " + words(results[0].rung, scene) + ", 1 s (error at most 9 % " + there);
-  CHECK(said[1] == "for 5 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
-  CHECK(said[2] == "for 1 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
-  CHECK(said[3] == "0.1 % in Q is not reached by any rung of this study; the best is 0.5 %");
+  CHECK(said[0] ==
+        "for an error of 10 % in Q: " + words(results[0].rung, scene) + ", 1 s (error at most 9 % " + there);
+  CHECK(said[1] ==
+        "for an error of 5 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
+  CHECK(said[2] ==
+        "for an error of 1 % in Q: " + words(results[2].rung, scene) + ", 4 s (error at most 0.8 % " + there);
+  CHECK(said[3] == "an error of 0.1 % in Q is not reached by any rung of this study; the smallest is 0.5 %");
 }
 
 TEST_CASE("nothing is promised that the finest rung itself may be off by", "[study]") {
@@ -234,21 +237,21 @@ TEST_CASE("nothing is promised that the finest rung itself may be off by", "[stu
   const std::vector<std::string> said = sentences(found, results, scene);
   REQUIRE(said.size() == 1);
   CHECK(said[0] ==
-        "10 % in Q is not reached by any rung of this study; the best is 33 % (finest rung: error bar "
-        "22 % from the step only, sizes not verified)");
+        "an error of 10 % in Q is not reached by any rung of this study; the smallest is 33 % (finest rung: "
+        "error bar 22 % from the step only, error of the size unknown)");
   // Ten times as near it is promised, with the bar beside it.
   const std::vector<RungResult> nearer = chain({{1, 1.088}, {2, 1.044}, {4, 1.022}, {8, 1.011}});
   const std::string first = sentences(errors(D, nearer, {}), nearer, scene).front();
   CHECK(first ==
-        "for 10 % in Q: " + words(nearer[0].rung, scene) +
+        "for an error of 10 % in Q: " + words(nearer[0].rung, scene) +
             ", 1 s (error at most 7.7 % at this rung and all finer ones; finest rung: error bar 2.2 % "
-            "from the step only, sizes not verified)");
+            "from the step only, error of the size unknown)");
   // Of a chatter nothing is known but how much it is.
   const std::vector<RungResult> chatter = chain({{1, 1}, {2, 1.004}, {4, 0.998}, {8, 1.001}});
   const Errors found_chatter = errors(D, chatter, {});
   CHECK_THAT(found_chatter.bar->value, WithinRel(3 * 0.006, 1e-9));
   CHECK_FALSE(found_chatter.bar->asymptotic);
-  CHECK(sentences(found_chatter, chatter, scene)[2].starts_with("1 % in Q is not reached by"));
+  CHECK(sentences(found_chatter, chatter, scene)[2].starts_with("an error of 1 % in Q is not reached by"));
 }
 
 TEST_CASE("what has no size gives no relative error, and what is no number no error at all", "[study]") {
@@ -345,7 +348,7 @@ TEST_CASE("units are those of the plane or of space, and of several obstacles ea
 TEST_CASE("steps that the motion chooses are a family of their own", "[study]") {
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   std::vector<Rung> both = all_rungs(scene, {{1}, {}, {}, {}, {1e-2}});
-  CHECK(std::ranges::count_if(both, &Rung::chooses_steps) == 1);
+  CHECK(std::ranges::count_if(both, &Rung::has_varying_steps) == 1);
   CHECK(both.size() == 4);
   scene.time.step = 0, scene.time.steps = 0, scene.time.tolerance = 1e-2;
   const std::vector<Rung> chosen = all_rungs(scene, {{1}, {}, {}, {}});
@@ -371,8 +374,8 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   }
   const std::vector<Orders> found = orders(Q, results, {});
   REQUIRE(found.size() == 2);
-  CHECK_FALSE(found[0].chosen);
-  CHECK(found[1].chosen);
+  CHECK_FALSE(found[0].varying_steps);
+  CHECK(found[1].varying_steps);
   CHECK_THAT(found[0].time->slope, WithinAbs(1, 1e-9));
   CHECK_THAT(found[1].time->slope, WithinAbs(2, 1e-9));
   const Errors against = errors(Q, results, {});
@@ -448,18 +451,18 @@ TEST_CASE("sizes that do not change the mesh are refused where they are needed",
   if (ranks(MPI_COMM_WORLD) > 2)
     return; // one rank meshes, which takes the time
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
-  CHECK_NOTHROW(require_answer(MPI_COMM_WORLD, scene));
-  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.5, 0.25}));
+  CHECK_NOTHROW(require_size_takes_effect(MPI_COMM_WORLD, scene));
+  CHECK_NOTHROW(require_sizes_take_effect(MPI_COMM_WORLD, scene, {0.25, 0.5, 0.25}));
   scene.mesh.size = 5; // two triangles, as with twice the size, and more with half a metre
-  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {5, 0.5}));
-  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {0.5, 5, 10}), UserError);
+  CHECK_NOTHROW(require_sizes_take_effect(MPI_COMM_WORLD, scene, {5, 0.5}));
+  CHECK_THROWS_AS(require_sizes_take_effect(MPI_COMM_WORLD, scene, {0.5, 5, 10}), UserError);
   scene.mesh.file = test::source("tests/data/fixed-top.geo");
   scene.mesh.size = 4; // as one of 8, but finer ones change the mesh
-  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {4, 0.5}));
+  CHECK_NOTHROW(require_sizes_take_effect(MPI_COMM_WORLD, scene, {4, 0.5}));
   scene.mesh.file = test::source("tests/data/fixed-density.geo");
-  CHECK_THROWS_AS(require_answer(MPI_COMM_WORLD, scene), UserError);
-  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {4, 0.25}), UserError);
-  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.25}));
+  CHECK_THROWS_AS(require_size_takes_effect(MPI_COMM_WORLD, scene), UserError);
+  CHECK_THROWS_AS(require_sizes_take_effect(MPI_COMM_WORLD, scene, {4, 0.25}), UserError);
+  CHECK_NOTHROW(require_sizes_take_effect(MPI_COMM_WORLD, scene, {0.25, 0.25}));
   scene.mesh.size.reset();
-  CHECK_THROWS_AS(require_answer(MPI_COMM_WORLD, scene), UserError);
+  CHECK_THROWS_AS(require_size_takes_effect(MPI_COMM_WORLD, scene), UserError);
 }

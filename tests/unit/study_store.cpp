@@ -134,10 +134,14 @@ TEST_CASE("the search recommended is the cheapest that leaves less than the mesh
   const std::vector<double> above = above_least(searches);
   CHECK(above[0] == (2 - 1.9) / 2);
   CHECK(above[2] == 0);
-  CHECK(sentence(searches, 0.6).starts_with("optimizer.tolerance = 0.01 leaves"));
-  CHECK(sentence(searches, 0.02).starts_with("optimizer.tolerance = 0.0001 leaves")); // cheaper than 1e-3
-  CHECK(sentence({searches.begin(), searches.begin() + 2}, 0.02).starts_with("optimizer.tolerance = 0.001"));
-  CHECK(sentence({{.objective = 0}, {.objective = 1}}, 0.1).starts_with("no search leaves"));
+  const std::string two = "size and step cause an error of 2 % in J. A search with optimizer.tolerance = ";
+  CHECK(sentence(searches, 0.6)
+            .starts_with("size and step cause an error of 60 % in J. A search with "
+                         "optimizer.tolerance = 0.01 adds"));
+  CHECK(sentence(searches, 0.02).starts_with(two + "0.0001 adds")); // cheaper than 1e-3
+  CHECK(sentence({searches.begin(), searches.begin() + 2}, 0.02).starts_with(two + "0.001 adds"));
+  CHECK(sentence({{.objective = 0}, {.objective = 1}}, 0.1)
+            .starts_with("no recommendation for optimizer.tolerance"));
   CHECK(std::isnan(above_least({{.objective = 0}, {.objective = 1}})[1])); // relative to nothing
 }
 

@@ -76,4 +76,4 @@ def test_check(measured: Callable, name: str, scheme: str, setting: str) -> None
     rows = re.findall(r"^(ok|FAIL)\s+(\S.*?)\s{2,}(\S.*?)\s{2,}", done.stdout, re.MULTILINE)
     assert "contact included" in done.stdout and len(rows) > 2 * len(wanted)
     orders = [row for row in rows if row[1].startswith("Taylor order")]
-    assert len(orders) > len(wanted) / 2, "too few sizes keep the active sets"
+    assert len(orders) > len(wanted) / 2, "too few differences keep the active sets"

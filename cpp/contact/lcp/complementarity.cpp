@@ -41,8 +41,8 @@ Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Ma
     : rows_(rows), diameter_(diameter), gap_tolerance_(gap_tolerance(diameter)) {
   // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
   // couple them are neglected.
-  stiffness_ = rows.weighted_squares(fem::diagonal(D));
-  stiffness_.resize(static_cast<std::size_t>(rows.groups())); // normals alone
+  multiplier_per_motion_ = rows.weighted_squares(fem::diagonal(D));
+  multiplier_per_motion_.resize(static_cast<std::size_t>(rows.groups())); // normals alone
 }
 
 double Complementarity::negligible_gap(double deepest_gap, double displacement) const {
@@ -53,8 +53,8 @@ double Complementarity::negligible_gap(double deepest_gap, double displacement) 
 double Complementarity::negligible_motion(std::span<const double> lambda, double size,
                                           double tolerance) const {
   double largest = 0;
-  for (std::size_t i = 0; i < stiffness_.size(); ++i)
-    largest = std::max(largest, lambda[i] / stiffness_[i]);
+  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i)
+    largest = std::max(largest, lambda[i] / multiplier_per_motion_[i]);
   // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition number, up to 1e6 for a
   // stiff body without clamps; the residual r − D y is known to the accuracy of its terms.
   constexpr double relative = 1e-10;
@@ -84,23 +84,24 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   const auto values = [&](std::size_t i) {
     return Values{rows_, static_cast<int>(i), state.lambda, state.gap};
   };
-  for (std::size_t i = 0; i < stiffness_.size(); ++i) {
+  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
-    adhesion = std::max(adhesion, -state.lambda[i] / stiffness_[i]);
+    adhesion = std::max(adhesion, -state.lambda[i] / multiplier_per_motion_[i]);
     const Values group = values(i);
-    state.status[i] = group.law.status(group.rho(), group.U(), motion * stiffness_[i], closed);
+    state.status[i] = group.law.status(group.rho(), group.U(), motion * multiplier_per_motion_[i], closed);
     if (state.status[i] == Status::strong) {
       distance = std::max(distance, state.gap[i]);
       state.active.push_back(static_cast<int>(i));
     }
   }
   if (!holds_to(gap_tolerance_, motion, state.lambda, state.gap))
-    throw SolverFailure(fmt::format("the contact solution is not complementary. Penetration {:.3e} m, force "
-                                    "at a gap of {:.3e} m (limit {:.3e} m). Pulling forces move a node by "
-                                    "{:.3e} m (limit {:.3e} m); {} of {} candidates are strongly active",
+    throw SolverFailure(fmt::format("the contact solution is not complementary. The largest penetration is "
+                                    "{:.3e} m, the largest gap with a force {:.3e} m (limit of both: {:.3e} "
+                                    "m). Pulling forces move a node by {:.3e} m (limit {:.3e} m); {} of {} "
+                                    "candidates are strongly active",
                                     penetration, distance, gap_tolerance_, adhesion, motion,
-                                    state.count(Status::strong), stiffness_.size()));
-  for (std::size_t i = 0; i < stiffness_.size(); ++i)
+                                    state.count(Status::strong), multiplier_per_motion_.size()));
+  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i)
     if (state.status[i] == Status::weak && depends(rows_, state.active, static_cast<int>(i)))
       // This candidate cannot open while those with forces on which it depends are closed, and part of their
       // force may be assigned to it.
@@ -121,9 +122,9 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
 
 bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
                                std::span<const double> gap) const {
-  for (std::size_t i = 0; i < stiffness_.size(); ++i) {
+  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
     const Values group{rows_, static_cast<int>(i), lambda, gap};
-    if (!group.law.holds(group.rho(), group.U(), motion * stiffness_[i], negligible))
+    if (!group.law.holds(group.rho(), group.U(), motion * multiplier_per_motion_[i], negligible))
       return false;
   }
   return true;

@@ -6,10 +6,10 @@
 namespace signorini::contact {
 
 /// Classifies candidates as open, weakly active or strongly active (4.36), and checks that gaps and forces
-/// are complementary. What counts as zero is measured relative to the quantities of the step itself, by
-/// rounding errors or by the tolerance of an iterative solver. Fixed thresholds would fail: the multipliers λ
-/// are τ²/2 times forces, and in short steps its weight moves the nodes of a body by less than any fixed
-/// fraction of its diameter.
+/// are complementary. The limits below which gaps and forces count as zero follow from the step itself: from
+/// its rounding errors and from the tolerance of an iterative solver. Fixed limits would fail in short steps,
+/// where the multipliers λ, τ²/2 times forces, are small and the weight of a body moves its nodes by less
+/// than any fixed fraction of its diameter.
 class Complementarity {
 public:
   /// `diameter`: diameter of the body, m; `D`: step operator. `rows` must outlive this object. Collective.
@@ -24,32 +24,33 @@ public:
   /// forces, m; `displacement`: largest displacement, m.
   [[nodiscard]] double negligible_gap(double deepest_gap, double displacement) const;
 
-  /// Whether the laws of all candidates are satisfied, for unilateral contact g ≥ 0, λ ≥ 0 and one of them
-  /// zero. Gaps up to `negligible` (m) count as zero, as do forces within the error of a solve with
-  /// displacements up to `size` (m) and the relative error `tolerance`.
+  /// Whether the laws of all candidates are satisfied; for unilateral contact, 0 ≤ λ ⟂ g ≥ 0. Gaps up to
+  /// `negligible` (m) count as zero, as do forces within the error of a solve with displacements up to `size`
+  /// (m) and the relative error `tolerance`.
   [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap, double negligible,
                            double size, double tolerance = 0) const {
     return holds_to(negligible, negligible_motion(lambda, size, tolerance), lambda, gap);
   }
 
-  /// Whether the laws of all candidates are satisfied, for unilateral contact g ≥ 0, λ ≥ 0 and one of them
-  /// zero. Gaps up to `negligible` (m) count as zero, as do forces that would move their node alone by at
-  /// most this length.
+  /// Whether the laws of all candidates are satisfied; for unilateral contact, 0 ≤ λ ⟂ g ≥ 0. Gaps up to
+  /// `negligible` (m) count as zero, as do forces that would move their node by at most `negligible` if all
+  /// other nodes were fixed.
   [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
                                   std::span<const double> gap) const {
     return holds_to(negligible, negligible, lambda, gap);
   }
 
 private:
-  /// Length (m) for zero forces: a force counts as zero if it would move its node by less, with all other
-  /// nodes fixed.
+  /// Displacement (m) below which forces count as zero: the one by which a force would move its node if all
+  /// other nodes were fixed. `size`: largest displacement, m; `tolerance`: relative error of displacements.
   [[nodiscard]] double negligible_motion(std::span<const double> lambda, double size, double tolerance) const;
   [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
                               std::span<const double> gap) const;
 
   const ConstraintRows& rows_;
   double diameter_, gap_tolerance_;
-  std::vector<double> stiffness_; ///< stiffness of D against moving one candidate's node alone (m entries)
+  /// For each candidate, the λ that would move its node alone by 1 m.
+  std::vector<double> multiplier_per_motion_;
 };
 
 } // namespace signorini::contact

@@ -17,7 +17,8 @@ struct GoldfarbIdnaniWork {
   std::vector<double> r;
 };
 
-/// Returns a column of S. It is called only for rows that are in the set or penetrate.
+/// Function that returns column `row` of S. It is called only for rows that are in the active set or
+/// penetrate.
 using Columns = std::function<std::span<const double>(int row)>;
 
 /// Solves 0 ≤ λ ⟂ g⁰ + Sλ ≥ 0 by the dual active-set method of Goldfarb and Idnani (1983). S = NᵀKN (m × m)

@@ -25,7 +25,7 @@ void exchange(const ConstraintRows& rows, std::span<const double> lambda, Active
       const auto force = [&](std::size_t k) { return lambda[basis.member(k)]; };
       std::size_t leaves = basis.size();
       for (std::size_t k = 0; k < basis.size(); ++k)
-        if (part[k] > RowBasis::parallel &&
+        if (part[k] > RowBasis::dependence_limit &&
             (leaves == basis.size() || force(k) * part[leaves] < force(leaves) * part[k]))
           leaves = k;
       if (leaves == basis.size() || force(leaves) == 0) // it was just added, with no force

@@ -5,11 +5,13 @@
 
 namespace signorini::contact {
 
-/// Whether the force direction of candidate i depends linearly on those of the candidates in its cluster that
-/// are in `set`. The set must be linearly independent and may be in any order.
+/// Whether the force direction of candidate i depends linearly on the force directions of the members of
+/// `set` that share unknowns with it (its cluster). `set` must be linearly independent and may be in any
+/// order.
 [[nodiscard]] bool depends(const ConstraintRows& rows, const ActiveSet& set, int i);
 
-/// Removes candidates from an ascending set that depend linearly on earlier ones of their cluster.
+/// Removes from an ascending set the candidates that depend linearly on earlier members of their cluster
+/// (rows that share unknowns).
 void drop_dependent(const ConstraintRows& rows, ActiveSet& set);
 
 /// Computes the active set that follows `set` in a primal-dual step, from the solution on `set` (linearly
@@ -21,9 +23,9 @@ void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const 
               std::span<const double> gap, ActiveSet& next);
 
 /// Block principal pivoting (Júdice, Pires 1994) for one solve. It takes whole primal-dual steps as long as
-/// the number of candidates that a step would change reaches a new minimum every few steps. Otherwise it
-/// changes one cluster at a time, that of the last candidate to change, which ends after finitely many steps
-/// (Murty 1974).
+/// the number of candidates that a step would change has reached a new minimum within the last ten steps.
+/// Otherwise each step changes one cluster only: among the candidates that the step would change, the cluster
+/// of the one with the highest number. This ends after finitely many steps (Murty 1974).
 class BlockPivoting {
 public:
   /// Starts pivoting for one solve. `rows` must outlive this object.

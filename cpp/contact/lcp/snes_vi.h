@@ -8,7 +8,8 @@ namespace signorini::contact {
 /// Solves a variational inequality with simple bounds by PETSc's reduced-space Newton method (Benson, Munson
 /// 2006): find x with lower ≤ x ≤ upper for which K x + c is zero between the bounds, ≥ 0 at a lower bound
 /// and ≤ 0 at an upper bound. Scale the problem so that a distance of 1 from a bound and a residual of 1 are
-/// negligible: the method treats values below a thousandth as zero.
+/// negligible. By default the method counts x as on a bound within a distance of 0.001, and stops at a
+/// residual norm of 0.01.
 class SnesVi {
 public:
   /// Takes ownership of the bounds; `K` must outlive this object unchanged. PETSc options with the prefix

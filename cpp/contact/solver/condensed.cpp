@@ -71,8 +71,8 @@ void CondensedSolver::solve_on_set(ContactState& state, Workspace& work) const {
   }
 }
 
-bool CondensedSolver::holds(const ContactState& state, std::span<const double> psi,
-                            std::span<const double> gap0) const {
+bool CondensedSolver::is_complementary(const ContactState& state, std::span<const double> psi,
+                                       std::span<const double> gap0) const {
   double size = 0;
   for (std::size_t i = 0; i < psi.size(); ++i)
     size = std::max({size, std::abs(psi[i] - gap0[i]), std::abs(psi[i] - state.gap[i])});
@@ -83,7 +83,8 @@ bool CondensedSolver::holds(const ContactState& state, std::span<const double> p
 void CondensedSolver::settle(ContactState& state, std::span<const double> psi, double negligible, int most,
                              Workspace& work) const {
   const auto settled = [&] {
-    return complementarity_.holds_within(negligible, state.lambda, state.gap) && holds(state, psi, work.gap0);
+    return complementarity_.holds_within(negligible, state.lambda, state.gap) &&
+           is_complementary(state, psi, work.gap0);
   };
   for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
     next_set(rows_, work.set, state.lambda, state.gap, work.next);
@@ -139,7 +140,7 @@ void CondensedSolver::search(ContactState& state, Workspace& work) const {
     find_set(state, work);
 }
 
-void CondensedSolver::decided(ContactState& state, Workspace& work) const {
+void CondensedSolver::broadcast_decision(ContactState& state, Workspace& work) const {
   const MPI_Comm comm = rows_.comm();
   if (ranks(comm) == 1)
     return;
@@ -183,7 +184,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
 void CondensedSolver::pivot(ContactState& state, std::span<const double> psi, Workspace& work) const {
   for (BlockPivoting pivoting(rows_);; ++state.vi_iterations) {
     next_set(rows_, work.set, state.lambda, state.gap, work.next);
-    if (work.next == work.set || holds(state, psi, work.gap0))
+    if (work.next == work.set || is_complementary(state, psi, work.gap0))
       return;
     pivoting.advance(work.set, work.next, work.wrong);
     solve_on_set(state, work);
@@ -211,18 +212,18 @@ void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work)
   // step even where the penetration is negligible relative to the body; so solve to rounding.
   constexpr int soon = 5; // enough for a change of one or two candidates
   settle(state, psi, std::min(rounding(psi, work.gap0), length_unit_), soon, work);
-  if (holds(state, psi, work.gap0))
+  if (is_complementary(state, psi, work.gap0))
     return;
   on_root<SolverFailure>(rows_.comm(), [&] { search(state, work); });
-  decided(state, work);
+  broadcast_decision(state, work);
   solve_on_set(state, work);
   // The VI solver may misplace candidates whose gap and force are both zero within its tolerance.
   constexpr int most = 50;
   settle(state, psi, length_unit_, most, work);
   // Both methods can cycle for a body that is nearly rigid within a step; the dual active-set method cannot.
-  if (!holds(state, psi, work.gap0)) {
+  if (!is_complementary(state, psi, work.gap0)) {
     on_root<SolverFailure>(rows_.comm(), [&] { find_independent_set(state, work); });
-    decided(state, work);
+    broadcast_decision(state, work);
     solve_on_set(state, work);
   }
 }
@@ -230,10 +231,11 @@ void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work)
 bool CondensedSolver::next(int group, const ContactState& state, LawEquation& equation) const {
   const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
   const std::size_t k = rows_.size(group);
-  return rows_.law(group).next({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group], equation);
+  return rows_.law(group).newton_equation({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group],
+                                          equation);
 }
 
-void CondensedSolver::push(int row, double change, ContactState& state) const {
+void CondensedSolver::add_to_multiplier(int row, double change, ContactState& state) const {
   state.lambda[row] += change;
   const std::span<const double> column = delassus_.column(row);
   for (std::size_t j = 0; j < column.size(); ++j)
@@ -259,7 +261,7 @@ void CondensedSolver::newton_step(ContactState& state, Workspace& work) const {
   auto force = work.b.begin();
   for (const int i : work.set)
     for (std::size_t c = 0; c < rows_.size(i); ++c)
-      push(static_cast<int>(rows_.row(i, c)), *force++, state);
+      add_to_multiplier(static_cast<int>(rows_.row(i, c)), *force++, state);
   ++state.vi_iterations;
 }
 
@@ -287,7 +289,7 @@ void CondensedSolver::relax(int group, ContactState& state) const {
     }
     double moved = 0, size = 0;
     for (std::size_t c = 0; c < k; ++c) {
-      push(static_cast<int>(rows_.row(group, c)), change[c], state);
+      add_to_multiplier(static_cast<int>(rows_.row(group, c)), change[c], state);
       moved = std::max(moved, std::abs(change[c]));
       size = std::max(size, std::abs(rho[c]));
     }
@@ -335,7 +337,7 @@ void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
   bool open = true;
   for (int i = 0; i < rows_.groups(); ++i) {
     const std::array<double, 3> gaps = rows_.of_group(i, work.gap0);
-    open = open && rows_.law(i).open({gaps.data(), rows_.size(i)});
+    open = open && rows_.law(i).stays_open({gaps.data(), rows_.size(i)});
   }
   if (open)
     std::ranges::fill(state.lambda, 0);

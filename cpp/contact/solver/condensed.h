@@ -13,22 +13,23 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// 5): 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0 with the predicted gaps g⁰ = g(D⁻¹r); then y = D⁻¹(r − Hλ). If no predicted
 /// gap is negative, no VI is solved.
 ///
-/// Otherwise primal-dual steps search for the active set. They start from the set of the previous step, from
-/// which it usually differs in few candidates. If they do not settle soon, PETSc's VI solver finds the set
-/// from the VI in the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: unlike S, S⁻¹ is close to an M-matrix, for which
-/// reduced-space Newton steps do not cycle. A dual active-set method replaces PETSc's solver if candidates
-/// are linearly dependent, so that S is singular; it is also the last resort if both other methods fail.
-/// Active sets that depend on LAPACK's rounding are determined on rank 0. If columns of S are computed on
-/// demand, block pivoting follows instead of these methods.
+/// Otherwise primal-dual steps search for the active set. They start from the set of the previous step, since
+/// usually few candidates change. If they do not settle soon, PETSc's VI solver finds the set from the VI in
+/// the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: unlike S, S⁻¹ is close to an M-matrix, for which reduced-space Newton
+/// steps do not cycle. A dual active-set method replaces PETSc's solver if candidates are linearly dependent,
+/// so that S is singular; it is also the last resort if both other methods fail. PETSc's solver and the dual
+/// method run on rank 0 alone, because LAPACK's rounding may differ between ranks. If columns of S are
+/// computed on demand, block pivoting replaces all of these methods.
 ///
-/// Laws that are not symmetric are solved by Newton steps and, if these cycle, by sweeps over the groups
-/// before Newton steps. The resulting gaps have the rounding error of the motion without contact. In a step
-/// that is long compared with a fall through the body, this error exceeds the accepted penetration, and the
-/// gaps are refined from the residual.
+/// Laws with a non-symmetric system (Law::symmetric()) are solved by Newton steps. If these do not settle,
+/// block Gauss–Seidel sweeps over the groups precede further Newton steps. For symmetric laws, the gaps on
+/// the active set have a rounding error relative to the motion without contact. In very long steps this
+/// motion is so much longer than the body that the error exceeds the accepted penetration; the solution is
+/// then refined from its residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
   /// `condensation`: condensation of the step operator `D`, whose solves have the relative error `tolerance`;
-  /// `diameter`: that of the body, m. Without a `residual` solutions are not refined. `rows` must outlive
+  /// `diameter`: that of the body, m. If `residual` is empty, solutions are not refined. `rows` must outlive
   /// this object. PETSc options with the prefix `-condensed_vi_` are honoured. Collective.
   CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
                   std::unique_ptr<const Condensation> condensation, Residual residual, double tolerance = 0);
@@ -47,13 +48,13 @@ private:
   /// Computes λ for zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all candidates.
   /// Collective.
   void solve_on_set(ContactState& state, Workspace& work) const;
-  /// Takes at most `most` primal-dual steps, until the state is complementary to rounding, with penetrations
-  /// up to `negligible` (m). Collective.
+  /// Takes primal-dual steps until the state is complementary up to rounding and no penetration exceeds
+  /// `negligible` (m). Takes at most `most` steps. Collective.
   void settle(ContactState& state, std::span<const double> psi, double negligible, int most,
               Workspace& work) const;
   /// Whether the state is complementary up to rounding errors of the motion in this step.
-  [[nodiscard]] bool holds(const ContactState& state, std::span<const double> psi,
-                           std::span<const double> gap0) const;
+  [[nodiscard]] bool is_complementary(const ContactState& state, std::span<const double> psi,
+                                      std::span<const double> gap0) const;
   /// Determines work.set by PETSc's VI solver, starting from the gaps of `state`. If the solver fails,
   /// work.set becomes the set of candidates with negative predicted gaps. Rank 0 only.
   void find_set(ContactState& state, Workspace& work) const;
@@ -70,7 +71,7 @@ private:
   /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
   [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
   /// Adds `change` to a row's multiplier, and its effect to all gaps.
-  void push(int row, double change, ContactState& state) const;
+  void add_to_multiplier(int row, double change, ContactState& state) const;
   /// Takes one Newton step for the laws of all groups. Collective.
   void newton_step(ContactState& state, Workspace& work) const;
   /// Solves the law of one group with the multipliers of all other groups fixed: a step of block
@@ -81,12 +82,12 @@ private:
   void solve_by_laws(const ContactProblem& step, Workspace& work) const;
   /// Rounding error of predicted gaps, estimated from the size of the motion in this step, m.
   [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;
-  /// Refines the solution iteratively, from its residual, until its error is rounding relative to its own
-  /// size; the gaps on work.set remain zero. Updates work.set by primal-dual steps from the refined solution.
-  /// Collective.
+  /// Refines the solution iteratively from its residual, with zero gaps on work.set. The error becomes
+  /// rounding relative to the solution with contact, rather than to the longer motion without contact.
+  /// Updates work.set by primal-dual steps from the refined solution. Collective.
   void refine(Vec r, std::span<const double> psi, ContactState& state, Vec y, Workspace& work) const;
   /// Broadcasts work.set, λ and the number of steps from rank 0, which has determined them. Collective.
-  void decided(ContactState& state, Workspace& work) const;
+  void broadcast_decision(ContactState& state, Workspace& work) const;
   [[nodiscard]] std::unique_ptr<CondensedVi> make_vi() const;
 
   const ConstraintRows& rows_;

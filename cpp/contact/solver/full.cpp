@@ -52,7 +52,7 @@ std::vector<double> lengths(const ContactPairs& pairs) {
 /// Throws UserError if a node has several candidates, so that its constraints are not simple bounds.
 void require_bounds(const ContactPairs& pairs) {
   if (!pairs.rows().symmetric() || pairs.rows().count() > pairs.count())
-    throw std::logic_error("the full VI is that of bounds on single gaps");
+    throw std::logic_error("the full VI needs symmetric contact laws with one row per candidate");
   const auto& clusters = pairs.rows().clusters();
   const auto several = std::ranges::find_if(
       clusters, [](const ConstraintRows::Cluster& one) { return one.last - one.first > 1; });

@@ -38,9 +38,9 @@ private:
 
   const ContactPairs& pairs_;
   Complementarity complementarity_;
-  double length_unit_, force_unit_; ///< units in the VI: gap_tolerance(), m; this times D's largest diagonal
+  double length_unit_, force_unit_; ///< units of the VI: gap_tolerance(), m; this times the largest (QᵀDQ)_jj
   std::vector<int> axis_;           ///< for each candidate, the component that its force direction replaces
-  std::vector<double> length_;      ///< for each candidate, the length of its force direction (1: unclamped)
+  std::vector<double> length_;      ///< for each candidate, the norm of its force direction; 1 if unclamped
   petsc::Matrix Q_;        ///< nodal frames: column axis_ of a candidate's block is its force direction
   petsc::Matrix D_;        ///< QᵀDQ in the units of the VI
   petsc::Vector diagonal_; ///< diagonal of D if a constrained dof is clamped, else null

@@ -15,7 +15,7 @@ ProjectedSolver::ProjectedSolver(const ConstraintRows& rows, double diameter, co
       zero_(static_cast<std::size_t>(rows.count()), 0.0), gap_tolerance_(gap_tolerance(diameter)),
       residual_(petsc::vector_of(matrix)) {
   if (!rows.symmetric())
-    throw std::logic_error("gaps are kept closed by projection only where laws are symmetric");
+    throw std::logic_error("the projected solver needs symmetric contact laws");
   if (rows_.clamped())
     diagonal_ = fem::diagonal(matrix);
 }

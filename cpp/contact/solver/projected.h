@@ -7,8 +7,8 @@
 namespace signorini::contact {
 
 /// Solves contact steps without a factor of D and without S (docs/method.md section 5), by conjugate
-/// gradients on the motions that keep the gaps of a set closed. Primal-dual steps update the set. Already
-/// during a solve the set is checked, and the solve ends early if the set will change.
+/// gradients on the motions that keep the gaps of a set closed. Primal-dual steps update the set. The set is
+/// also checked during a solve, which ends early if the set would change.
 class ProjectedSolver final : public ContactStepSolver {
 public:
   /// `diameter`: that of the body, m; `matrix`: the matrix D. The arguments must outlive this object.

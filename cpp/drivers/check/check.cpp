@@ -75,9 +75,10 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
   if (!contact)
     return;
   rows.push_back({"contact occurred",
-                  contact->steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all",
-                                                   contact->steps, contact->most, contact->weak)
-                                     : "never; contact is not checked",
+                  contact->steps > 0
+                      ? fmt::format("{} steps, up to {} candidates each, weak contact {} times",
+                                    contact->steps, contact->most, contact->weak)
+                      : "never; contact is not checked",
                   "in at least one step", contact->steps > 0});
   // Predictors move without forces: for a body that stays in contact they may never enter an obstacle.
   const bool rests = contact->steps == problem.steps();
@@ -86,8 +87,8 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
                     "in at least one step", contact->projected > 0});
   if (contact->steps == 0)
     return;
-  rows.push_back(below(pairs->moving() ? "contact adds no work to the obstacles', work / largest energy"
-                                       : "contact never does work, work / largest energy",
+  rows.push_back(below(pairs->moving() ? "contact work less the obstacles' work / largest energy"
+                                       : "largest work of contact in a step / largest energy",
                        contact->work / energy, tolerance));
 }
 
@@ -128,11 +129,11 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     const problem::GivenControl given(problem);
     invariants(problem, given.load(), rows);
   }
-  console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "limit"));
+  console.line(fmt::format("{:<6}{:<58}{:<64}{}", "", "check", "measured", "limit"));
   bool all = true;
   for (const CheckRow& row : rows) {
     console.line(
-        fmt::format("{:<6}{:<58}{:<50}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
+        fmt::format("{:<6}{:<58}{:<64}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
     all = all && row.holds;
   }
   console.line(all ? (scene.contacts.empty() ? "All checks hold; contact was not checked."
@@ -140,7 +141,8 @@ bool check_scene(problem::Problem& problem, const Console& console) {
                    : "A check failed.");
   if (all && !advice.empty())
     console.line(
-        "But the derivatives hold only for changes of the control too small for a search: " + advice + ".");
+        "But the derivatives hold only for changes of the control that are too small for a search: " +
+        advice + ".");
   return all;
 }
 

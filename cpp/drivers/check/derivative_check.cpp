@@ -81,7 +81,7 @@ public:
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (nodes × "
+      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (candidates × "
                                 "steps). J may have a kink here, with one-sided slopes only.",
                                 weak));
       const double plus = slope(Side::plus, rows);
@@ -195,7 +195,8 @@ private:
       rows.push_back(
           {"Taylor order" + along, fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
     } else if (within == 0) {
-      rows.push_back({difference, "active sets change at every size", "a size that keeps them", false});
+      rows.push_back(
+          {difference, "active sets change for every difference tried", "one with unchanged sets", false});
     } else {
       const Fit fit = fitted(side, within);
       rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion.value - 1),
@@ -300,12 +301,12 @@ private:
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
     const double radius = kept_size_;
     const trajectory::Margins margin = problem_.trajectory().margins();
-    console_.line(
-        fmt::format("Active sets stay the same for relative changes of the control up to {:.1e}. Least force "
-                    "on a closed candidate: {:.1e} of the largest; least gap of an open one: {:.1e} m.\nThe "
-                    "derivative along d is {:.6e}; over +- {} d, with {} changes of active sets, J has the "
-                    "mean slope {:.6e}.",
-                    radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
+    console_.line(fmt::format(
+        "Active sets stay the same for relative changes of the control up to {:.1e}. The least force on a "
+        "closed candidate is {:.1e} times the largest; the least gap of an open candidate is {:.1e} m.\nThe "
+        "derivative along d is {:.6e}; over +- {} d, with {} changes of active sets, J has the mean slope "
+        "{:.6e}.",
+        radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
     if (off <= alike) {
       console_.line(radius > narrow
                         ? "Verdict: the derivative is exact, and holds for larger changes of the control too."
@@ -327,7 +328,8 @@ private:
   void hessian(std::vector<CheckRow>& rows) {
     const std::string name = "Hessian product against differences of gradients";
     if (kept_size_ == 0) {
-      rows.push_back({name, "active sets change at every size", "a size that keeps them", false});
+      rows.push_back(
+          {name, "active sets change for every difference tried", "one with unchanged sets", false});
       return;
     }
     const control::Control h = problem_.l2_hessian_product(d_);

@@ -41,7 +41,7 @@ public:
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
       weak += contact.weak.size();
     if (weak > 0)
-      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (nodes × "
+      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (candidates × "
                                 "steps). J may have a kink at the first guess.",
                                 weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
@@ -93,7 +93,8 @@ private:
   /// Compares a column of the Jacobian with central differences: the best agreement among differences of
   /// several sizes that keep the active sets on both sides.
   void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
-    const std::string name = fmt::format("values by {} against differences", problem_.scene.unknowns[j].name);
+    const std::string name =
+        fmt::format("d(values)/d({}) against differences", problem_.scene.unknowns[j].name);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 8; ++i) {
       const double epsilon = unit(j) * std::pow(10, -3.5 - 0.5 * i);
@@ -108,9 +109,9 @@ private:
         break;
     }
     constexpr double differences = 1e-6; // of second order, and rounding over the size
-    rows.push_back(std::isfinite(least)
-                       ? below(name, least, differences)
-                       : CheckRow{name, "active sets change at every size", "a size that keeps them", false});
+    rows.push_back(std::isfinite(least) ? below(name, least, differences)
+                                        : CheckRow{name, "active sets change for every difference tried",
+                                                   "one with unchanged sets", false});
   }
 
   void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
@@ -138,14 +139,16 @@ private:
                       std::abs(p - 2) <= 0.05});
       return;
     }
-    const std::string against = fmt::format("slope by {} against differences of J", name);
+    const std::string against = fmt::format("dJ/d({}) against differences of J", name);
     if (widest == 0) {
-      rows.push_back({against, "active sets change at every size", "a size that keeps them", false});
+      rows.push_back(
+          {against, "active sets change for every difference tried", "one with unchanged sets", false});
       return;
     }
     const std::optional<Trial> above = at(j, widest), below_it = at(j, -widest);
     if (!above || !below_it || !below_it->kept) {
-      rows.push_back({against, "active sets change on the other side", "a size that keeps them", false});
+      rows.push_back(
+          {against, "active sets change for the opposite difference", "unchanged sets on both sides", false});
       return;
     }
     const double slope = (above->value - below_it->value) / (2 * widest), lost = rounding_ * here_ / widest,
@@ -189,7 +192,7 @@ void check_joint(control::ReducedProblem& problem, double solver_tolerance, std:
   constexpr std::size_t enough = 3;
   if (usable.size() < enough) {
     rows.push_back(
-        {"Taylor order by control and unknowns", "too few sizes keep the active sets", "three", false});
+        {"Taylor order by control and unknowns", "too few differences keep the active sets", "three", false});
     return;
   }
   usable.erase(usable.begin(), usable.end() - enough);

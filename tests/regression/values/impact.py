@@ -181,12 +181,12 @@ def test_lines_of_obstacles(run: SceneRun) -> None:
         text += f", impulse {vector(run)}"
         values.extend(one["impulse"])
         if one["normal_impulse"] - np.linalg.norm(one["impulse"]) > 1e-3 * one["normal_impulse"]:
-            text += " ({} as sum of moduli)"
+            text += " ({} if magnitudes at nodes are added)"
             values.append(one["normal_impulse"])
-        text += f" N s{per}, peak of two steps {{}}"
+        text += f" N s{per}, peak of two-step means {{}}"
         values.append(one["peak"])
         if one["normal_peak"] - one["peak"] > 1e-3 * one["normal_peak"]:
-            text += " ({} as sum of moduli)"
+            text += " ({} if magnitudes at nodes are added)"
             values.append(one["normal_peak"])
         printed(run, f"{text} N{per} at {{}} s" + ", as contact begins" * one["peak_at_onset"], values, one["peak_time"])
 
@@ -205,7 +205,7 @@ def test_lines_of_obstacles_that_are_not_touched(run: SceneRun) -> None:
 def test_lines_of_sustained_peaks(run: SceneRun) -> None:
     for duration, peak, window in {(one["impulse_duration"], one["sustained_peak"], one["sustained_over"]) for one in touched(run)}:
         within = f"{duration:.4g}".replace(".", r"\.")
-        text = f"    1 to 99 % of the impulse within {within} s, sustained peak {{}} N{per_depth(run)}, the largest mean over {{}} s"
+        text = f"    1 to 99 % of the impulse within {within} s, sustained peak {{}} N{per_depth(run)} (largest mean over {{}} s)"
         printed(run, text, peak, window, digits=(4, 3))
 
 

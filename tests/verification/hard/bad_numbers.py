@@ -54,8 +54,8 @@ CASES: dict[str, tuple[str, dict, str]] = {
     "corner pushed through the opposite face":
         ("simulate", {"mesh__file": "cube.msh", "mesh": cube2(points=moved_corner(6, (-2.0, 2.0, 0.2)))}, "overlap"),
     "all triangles inside out in one point": ("simulate", {"mesh": square2(points=[(0.0, 0.0, 0.0)] * 9)}, "no area"),
-    "load whose motion overflows": ("simulate", {"load__body": ["0", "-1e308"]}, "Penetration"),
-    "control whose motion overflows": ("optimize", {"control__scale": 1e308}, "Penetration"),
+    "load whose motion overflows": ("simulate", {"load__body": ["0", "-1e308"]}, "largest penetration"),
+    "control whose motion overflows": ("optimize", {"control__scale": 1e308}, "largest penetration"),
     "stiffness at the end of the numbers": ("simulate", {"material__young": 1e308}, "step 1 (t = 5e-05 s): the solution is not finite"),
     "static limit, nothing clamped: step huge":
         ("simulate", {"edits": {CLAMP: ""}, "time__step": 1e20, "time__end": 2e20}, "not positive definite"),
