@@ -13,6 +13,8 @@ out-of-plane component, the tensors below are its in-plane parts.
     d = m + tau/2 b + tau^2/4 a      the symmetric, coercive operator of a step  D
     d_elastic = m + tau^2/4 a        the same for a body without viscosity
     L2_cellwise(u, phi) = int u . phi   for u constant on each cell, _surface likewise
+    springs(y, phi) = int k_n (y . n)(phi . n) + k_t (y_t . phi_t) over a surface with the normal n,
+                      y_t = y - (y . n) n: the foundations of A and, with dashpots for springs, of B
     m_rho, a_young, a_poisson, b_kappa, b_eta   the derivatives of m, a, b by these constants, for fits
 
 Fields of a displacement and a velocity, constants on a cell: their values at its midpoint, which are the means over
@@ -49,6 +51,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     kappa = ufl.Constant(domain)  # bulk viscosity, Pa s
     eta = ufl.Constant(domain)  # shear viscosity, Pa s
     tau = ufl.Constant(domain)  # time step, s
+    k_normal = ufl.Constant(domain)  # springs along the normal, N/m^3; dashpots, N s/m^3
+    k_tangential = ufl.Constant(domain)  # springs across the normal, the same units
 
     dx, ds = ufl.dx(1), ufl.ds(1)  # the cells and the facets that are given at assembly
 
@@ -66,6 +70,9 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     L2_surface = ufl.inner(y, phi) * ds
     L2_cellwise = ufl.inner(u, phi) * dx
     L2_cellwise_surface = ufl.inner(u, phi) * ds
+    n = ufl.FacetNormal(domain)
+    along = ufl.inner(y, n) * ufl.inner(phi, n)
+    springs = (k_normal * along + k_tangential * (ufl.inner(y, phi) - along)) * ds
     inertia = density * ufl.inner(y, phi)
     elasticity = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi))
     viscosity = ufl.inner(isotropic(bulk - 2 * shear / 3, shear, eps(y)), eps(phi))
@@ -88,10 +95,11 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     midpoint = basix.geometry(basix.CellType[cell]).mean(axis=0, keepdims=True)
 
     return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
+                k_normal=k_normal, k_tangential=k_tangential,
                 L2=L2, L2_surface=L2_surface, L2_cellwise=L2_cellwise,
-                L2_cellwise_surface=L2_cellwise_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
+                L2_cellwise_surface=L2_cellwise_surface, springs=springs, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
                 m_rho=m_rho, a_young=a_young, a_poisson=a_poisson, b_kappa=b_kappa, b_eta=b_eta,
-                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic,
+                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, springs, m, a, b, d, d_elastic,
                        m_rho, a_young, a_poisson, b_kappa, b_eta],
                 displacement=displacement, velocity=velocity, strain=strain, stress=stress, von_mises=von_mises,
                 expressions=[(field, midpoint) for field in (strain, stress, von_mises)])  # fmt: skip

@@ -4,33 +4,34 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 
 if not __package__:  # called by its file
     from as_package import NAME as __package__
 
 from . import style
 from .command_line import run_alone
-from .run_folder import RunFolder, potential_of_loads
+from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """Draws the energies at the time steps; the dissipation only for a body that has viscosity, the potential only where loads
-    do work."""
+    """Draws the energies at the time steps; the dissipation only if there is any, the potential only where loads do work."""
     steps = run.steps
     kinetic, elastic = steps["kinetic_energy"], steps["elastic_energy"]
-    dissipated = np.cumsum(steps["viscous_dissipation"])
+    dissipated, foundation = dissipated_so_far(steps), steps.get("foundation_energy")
     potential = potential_of_loads(steps)
-    total = kinetic + elastic + (0 if potential is None else potential)
+    total = stored_energy(steps) + (0 if potential is None else potential)
     factor, unit = style.prefixed(max(total.max(), dissipated[-1]), style.per_depth("J", run.dim))
 
     figure, axes = style.graph()
     times = style.time_axis(axes, steps["time"])
     axes.plot(times, kinetic * factor, color=style.BLUE, label="kinetic")
     axes.plot(times, elastic * factor, color=style.ORANGE, linestyle="--", label="elastic")
+    if foundation is not None:
+        axes.plot(times, foundation * factor, color=style.PURPLE, linestyle=(0, (3, 1, 1, 1)), label="foundations")
     if potential is not None:
         axes.plot(times, potential * factor, color=style.GREEN, linestyle=":", label="potential")
-    axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None else "sum of these")
+    axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and foundation is None else "sum of these")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
     style.shade_contact(axes, times, steps["active"])

@@ -15,7 +15,8 @@ from .report_control import resultant_of
 from .report_fields import stored_fields
 from .report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
 from .report_run import logarithmic, objective_unit, positive
-from .run_folder import RunFolder, potential_of_loads
+from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .run_folder import RunFolder
 
 ROUNDING = 1e-9  # a relative difference up to this is none
 STEPWISE = "active", "control-resultant"  # a row is valid for the step that ends there
@@ -201,7 +202,7 @@ def energy(name: str) -> Callable[[RunFolder], Curve]:
 
 def sum_of_energies(run: RunFolder) -> Curve:
     potential = potential_of_loads(run.steps)
-    return run.steps["time"], run.steps["kinetic_energy"] + run.steps["elastic_energy"] + (0 if potential is None else potential)
+    return run.steps["time"], stored_energy(run.steps) + (0 if potential is None else potential)
 
 
 def potential(run: RunFolder) -> Curve:
@@ -218,7 +219,7 @@ ENERGIES: Views = {
     "kinetic": (energy("kinetic_energy"), depth("J")),
     "elastic": (energy("elastic_energy"), depth("J")),
     "potential of the loads": (potential, depth("J")),
-    "dissipated so far": (lambda run: (run.steps["time"], np.cumsum(run.steps["viscous_dissipation"])), depth("J")),
+    "dissipated so far": (lambda run: (run.steps["time"], dissipated_so_far(run.steps)), depth("J")),
 }
 
 

@@ -69,9 +69,13 @@ def energy_account(run: RunFolder) -> list[Table]:
     if not given:
         return []
     unit = per_depth("J", run.dim)
+    foundation = given.get("foundation_at_start", 0), given.get("foundation_at_end", 0)
     terms = {"Kinetic and elastic at the start": given["kinetic_at_start"] + given["elastic_at_start"],
+             "Springs of foundations at the start": foundation[0],
              "Work of the loads": given["load_work"], "Work of the control and of clamps": given["control_and_clamp_work"],
              "Work of contact": given["contact_work"], "Dissipated by viscosity": -given["viscous_dissipation"],
+             "Dissipated by dashpots of foundations": -given.get("foundation_dissipation", 0),
+             "Dissipated by mass damping": -given.get("drag_dissipation", 0), "Springs of foundations at the end": -foundation[1],
              "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
     factor, unit = prefixed(np.array(list(terms.values())), unit)
     rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value or name.startswith("Kinetic")]

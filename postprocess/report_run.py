@@ -7,7 +7,8 @@ from . import report_contact, report_control, report_fit, report_motion, report_
 from .files import NotInRun, Table as Columns, whole_text
 from .report_impact import energy_account, impact
 from .report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
-from .run_folder import RunFolder, potential_of_loads
+from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .run_folder import RunFolder
 
 FROM_ZERO = {"rangemode": "tozero"}
 SHADES = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"]  # viridis, of least shares first
@@ -141,20 +142,23 @@ def logarithmic(*values: np.ndarray) -> dict:
 
 
 def energies(run: RunFolder) -> Chart:
-    """Makes the chart of energies at the time steps; dissipation only with viscosity, potential only where loads do work."""
+    """Makes the chart of energies at the time steps; dissipation only if there is any, potential only where loads do work."""
     steps = run.steps
-    kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], np.cumsum(steps["viscous_dissipation"])
-    potential = potential_of_loads(steps)
-    whole_energy = kinetic + elastic + (0 if potential is None else potential)
+    kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], dissipated_so_far(steps)
+    potential, foundation = potential_of_loads(steps), steps.get("foundation_energy")
+    whole_energy = stored_energy(steps) + (0 if potential is None else potential)
     factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.dim))
     times, title = time_axis(steps["time"])
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
     note = ""
+    if foundation is not None:
+        curves.append(line("foundations", times, foundation * factor, "#56B4E9", "longdashdot"))
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
         note = "The potential of the loads falls by the work of the loads; its least value is set to 0."
-    curves.append(line("kinetic + elastic" + " + potential" * (potential is not None), times, whole_energy * factor, "black"))
+    parts = "kinetic + elastic" + " + foundations" * (foundation is not None) + " + potential" * (potential is not None)
+    curves.append(line(parts, times, whole_energy * factor, "black"))
     other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
     if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):
         curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
@@ -167,7 +171,7 @@ def energies(run: RunFolder) -> Chart:
 def drives(run: RunFolder) -> bool:
     """Whether the run's files separate the work of a control or of moving clamps from that of loads."""
     effects = run.manifest["effects"]
-    loads = any(effects.get(name) for name in ("body load", "gravity", "traction"))
+    loads = any(effects.get(name) for name in ("body load", "gravity", "traction", "point force"))
     return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not loads)
 
 
@@ -188,7 +192,7 @@ def residuals(run: RunFolder) -> Chart:
 
 def relative_residuals(steps: Columns, has_contact: bool) -> dict[str, np.ndarray]:
     """Returns the relative residuals of the energy law, the momentum law and the contact condition."""
-    largest = (steps["kinetic_energy"] + steps["elastic_energy"]).max()
+    largest = stored_energy(steps).max()
     laws = {"energy law": np.abs(steps["energy_residual"]) / (largest or 1.0), "momentum law": steps["momentum_residual"]}
     return laws | ({"contact condition": steps["complementarity"]} if has_contact else {})
 

@@ -382,13 +382,6 @@ def read_scene(file: Path) -> dict:
     return scene
 
 
-def potential_of_loads(steps: Table) -> np.ndarray | None:
-    """Returns the potential energy of the scene's loads at every time step, 0 at its least, J, in the plane J/m; None if they do no
-    work or the run did not write it."""
-    work = np.cumsum(steps.get("load_work", 0.0))
-    return work.max() - work if work.any() else None
-
-
 def first_largest(force: np.ndarray) -> int:
     """Returns the step of the largest force, as the program stores it: the first of those that differ by rounding alone."""
     found, rounding = 0, 1e-9

@@ -82,7 +82,7 @@ public:
     warnings_.observe(frame);
     const diagnostics::StepBalance balance = weigh_(frame);
     const double tau = frame.step.tau, t = frame.step.end;
-    energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
+    energy_ = std::max(energy_, balance.energy());
     contact_loss_ -= balance.contact_work;
     contact_(frame);
     if (displacement_)

@@ -17,8 +17,8 @@ using petsc::check, petsc::dot;
 EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::ContactPairs* pairs,
                            const scene::Scene& scene)
     : linear_(linear), space_(linear.mesh(), 2),
-      operators_(fem::assemble_operators(space_, scene.materials, true)), clamped_(space_, scene.clamps),
-      embed_(fem::embedding(linear, space_)) {
+      operators_(fem::assemble_operators(space_, scene.materials, true, scene.foundations)),
+      clamped_(space_, scene.clamps), embed_(fem::embedding(linear, space_)) {
   find_vertices();
   const auto set = [&](const std::optional<scene::Components>& field, const char* key, petsc::Vector& error) {
     if (!field)

@@ -102,6 +102,11 @@ Costs costs(const problem::Problem& problem) {
   costs["clamp"].step = "nothing: its unknowns are decoupled in D";
   if (body.B)
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: included in D and R"};
+  const auto if_any = [](Mat matrix) { return matrix ? petsc::bytes(matrix) : 0; };
+  costs["mass damping"] = {"its part of B", if_any(body.drag), "nothing: included in D and R"};
+  costs["foundation"] = {"its parts of A, B", if_any(body.foundation_A) + if_any(body.foundation_B),
+                         "nothing: included in D and R"};
+  costs["point force"].step = "its values";
   if (stepper.moving_clamps())
     costs["moving clamp"] = {"D without clamps",
                              petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};

@@ -28,14 +28,15 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 /// Sums of a balance. They take one pass over the dofs for each product with a matrix, and one reduction over
 /// the ranks.
 struct Balance::Sums {
-  double kinetic = 0, elastic = 0;   ///< v·Mv and y·Ay
-  double momentum_moduli = 0;        ///< sum of the moduli of Mv
-  double internal_moduli = 0;        ///< sum of the moduli of Ay
-  double viscous = 0;                ///< w·Bw
-  double load = 0, contact = 0;      ///< work of the loads, of contact
+  double kinetic = 0, elastic = 0;               ///< v·Mv and y·Ay
+  double momentum_moduli = 0;                    ///< sum of the moduli of Mv
+  double internal_moduli = 0;                    ///< sum of the moduli of Ay
+  double viscous = 0;                            ///< w·Bw
+  double foundation = 0, dashpots = 0, drag = 0; ///< shares of foundations and drag in y·Ay and w·Bw
+  double load = 0, contact = 0;                  ///< work of the loads, of contact
   double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
   double reaction_power = 0;         ///< power of the clamps' reactions
-  Components momentum{}, rate{}, applied{}, contact_force{}, reaction{};
+  Components momentum{}, rate{}, applied{}, contact_force{}, reaction{}, surroundings{};
 
   void add_up(MPI_Comm comm) {
     MPI_Allreduce(MPI_IN_PLACE, this, sizeof(Sums) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm);
@@ -46,6 +47,9 @@ Balance::Balance(const step::Stepper& stepper, Wanted wanted)
     : stepper_(stepper), reactions_(wanted.reactions) {
   for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &defect_})
     *x = stepper.space().vector();
+  if (stepper.operators().surrounded())
+    for (petsc::Vector* x : {&foundation0_, &foundation1_, &dashpots_, &drag_})
+      *x = stepper.space().vector();
   if (wanted.other_forces)
     loads_alone_.emplace(step::ForceAtStep(stepper.space(), {wanted.loads}));
 }
@@ -53,21 +57,26 @@ Balance::Balance(const step::Stepper& stepper, Wanted wanted)
 StepBalance Balance::operator()(const trajectory::Frame& frame) {
   Sums sums;
   StepBalance now;
-  std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
+  std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_), std::swap(foundation0_, foundation1_);
   add_state(frame, sums);
   if (frame.step.k > 0)
     now.load_work = add_step(frame, sums);
+  if (frame.step.k > 0 && stepper_.operators().surrounded())
+    add_surroundings(frame, sums);
   sums.add_up(stepper_.space().comm());
   now.kinetic_energy = sums.kinetic / 2;
-  now.elastic_energy = sums.elastic / 2;
+  now.foundation_energy = sums.foundation / 2;
+  now.elastic_energy = sums.elastic / 2 - now.foundation_energy;
   now.momentum = sums.momentum;
-  const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
+  const double before = std::exchange(energy_, now.energy());
   if (frame.step.k == 0)
     return now;
   const double tau = frame.step.tau;
   if (!loads_alone_)
     now.load_work = sums.load;
-  now.viscous_dissipation = tau * sums.viscous;
+  now.foundation_dissipation = tau * sums.dashpots;
+  now.drag_dissipation = tau * sums.drag;
+  now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
   now.external_work = sums.load;
   now.contact_work = sums.contact;
   // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
@@ -78,11 +87,13 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   if (stepper_.moving_clamps())
     now.external_work += tau * sums.reaction_power - sums.clamped_jump;
   // E_k − E_{k−1} + τ w·Bw − (f_k + s W u_k)·(y_k − y_{k−1}) − F_k·(y_k − y_{k−1}) (method.md, section 2)
-  now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
+  now.energy_residual = energy_ - before + tau * sums.viscous - now.external_work - now.contact_work;
   now.contact_force = sums.contact_force;
-  // M (v_k − v_{k−1})/τ less loads, contact forces and reactions, summed over the nodes
+  // M (v_k − v_{k−1})/τ less loads, contact forces, reactions and forces of the surroundings, summed over the
+  // nodes
   for (std::size_t c = 0; c < 3; ++c)
-    now.momentum_residual[c] = sums.rate[c] - sums.applied[c] - sums.contact_force[c] - sums.reaction[c];
+    now.momentum_residual[c] =
+        sums.rate[c] - sums.applied[c] - sums.contact_force[c] - sums.reaction[c] - sums.surroundings[c];
   // Internal forces must cancel, and the rate is a difference of momenta.
   now.momentum_scale = length(sums.rate) + length(sums.applied) + length(sums.contact_force) +
                        sums.internal_moduli + sums.momentum_moduli / tau;
@@ -102,6 +113,12 @@ void Balance::add_state(const trajectory::Frame& frame, Sums& sums) {
       sums.internal_moduli += std::abs(Ay[i]);
       sums.momentum[c] += Mv[i];
     }
+  if (stepper_.operators().foundation_A) {
+    check(MatMult(stepper_.operators().foundation_A, frame.after.y(), foundation1_));
+    const petsc::ReadArray of_foundation(foundation1_);
+    for (std::size_t i = 0; i < y.size(); ++i)
+      sums.foundation += y[i] * of_foundation[i];
+  }
 }
 
 double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
@@ -148,6 +165,22 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
   return load_work;
 }
 
+void Balance::add_surroundings(const trajectory::Frame& frame, Sums& sums) {
+  const fem::Operators& body = stepper_.operators();
+  if (body.foundation_B)
+    check(MatMult(body.foundation_B, w_, dashpots_));
+  if (body.drag)
+    check(MatMult(body.drag, w_, drag_));
+  const petsc::ReadArray w(w_), before(foundation0_), after(foundation1_), dashpots(dashpots_), drag(drag_);
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
+  for (std::size_t i = 0; i < w.size();)
+    for (std::size_t c = 0; c < dim; ++c, ++i) {
+      sums.dashpots += w[i] * dashpots[i];
+      sums.drag += w[i] * drag[i];
+      sums.surroundings[c] -= (before[i] + after[i]) / 2 + dashpots[i] + drag[i];
+    }
+}
+
 namespace {
 
 /// Returns whether the defect a is worse than b; NaN is the worst.
@@ -174,7 +207,7 @@ void Invariants::observe(const trajectory::Frame& frame, const StepBalance& bala
   check(VecNorm(frame.after.y(), NORM_2, &size));
   const double rounding_of_forces = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size,
                rounding = rounding_of_forces * size;
-  energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
+  energy_ = std::max(energy_, balance.energy());
   forces_ = std::max(forces_, balance.momentum_scale);
   now_ = {};
   now_[0] = part(std::abs(balance.energy_residual) - rounding, energy_);

@@ -16,16 +16,21 @@ struct BodyFigures;
 /// Energies are in J, forces in N; in 2D J/m and N/m.
 struct StepBalance {
   double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
-  double elastic_energy = 0;      ///< ½ y·Ay at the end of the step
-  double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
-  double external_work = 0;       ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
-  double load_work = 0;           ///< work of the scene's loads alone
-  double contact_work = 0;        ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
-  double energy_residual = 0;     ///< residual of the energy identity
-  std::array<double, 3> contact_force{}; ///< resultant of the contact forces on the body
-  std::array<double, 3> momentum{};      ///< momentum at the end of the step, kg m/s
-  std::array<double, 3>
-      momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions of clamps
+  double elastic_energy = 0;      ///< ½ y·Ay at the end of the step, without the foundations' part of A
+  double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ, by the material's part of B
+  double foundation_energy = 0;   ///< ½ y·Ay at the end of the step, by the foundations' part of A
+  double foundation_dissipation = 0; ///< τ w·Bw of the step, by the foundations' part of B
+  double drag_dissipation = 0;       ///< τ w·Bw of the step, by the mass-proportional part of B
+  double external_work = 0;          ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
+  double load_work = 0;              ///< work of the scene's loads alone
+  double contact_work = 0;           ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
+  double energy_residual = 0;        ///< residual of the energy identity
+  std::array<double, 3> contact_force{};     ///< resultant of the contact forces on the body
+  std::array<double, 3> momentum{};          ///< momentum at the end of the step, kg m/s
+  std::array<double, 3> momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions
+                                             ///< of clamps and surroundings
+  /// Returns the energy of the body and its foundations at the end of the step.
+  [[nodiscard]] double energy() const { return kinetic_energy + elastic_energy + foundation_energy; }
   double momentum_scale =
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
@@ -61,12 +66,15 @@ private:
   /// Adds the terms of the frame's step to `sums`. Returns the work of the scene's loads alone, without the
   /// control. Collective.
   double add_step(const trajectory::Frame& frame, Sums& sums);
+  /// Adds the forces and the dissipation of foundations and drag in the frame's step to `sums`. Collective.
+  void add_surroundings(const trajectory::Frame& frame, Sums& sums);
 
   const step::Stepper& stepper_;
   bool reactions_;
   petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, defect_;
   std::optional<step::ForceAtStep> loads_alone_;
-  double energy_ = 0; ///< kinetic and elastic energy of the last frame
+  petsc::Vector foundation0_, foundation1_, dashpots_, drag_; ///< parts of Ay0_, Ay1_ and Bw_
+  double energy_ = 0;                                         ///< energy of the last frame
 };
 
 /// Monitors the exact laws of the scheme step by step (docs/method.md section 2). Defects are relative: to

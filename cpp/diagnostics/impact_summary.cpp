@@ -45,6 +45,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
                             const ObstacleForces& forces) {
   energy_.kinetic_at_end = balance.kinetic_energy;
   energy_.elastic_at_end = balance.elastic_energy;
+  energy_.foundation_at_end = balance.foundation_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
@@ -58,12 +59,15 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   if (frame.step.k == 0) {
     energy_.kinetic_at_start = balance.kinetic_energy;
     energy_.elastic_at_start = balance.elastic_energy;
+    energy_.foundation_at_start = balance.foundation_energy;
     return;
   }
   energy_.load_work += balance.load_work;
   energy_.other_work += balance.external_work - balance.load_work;
   energy_.contact_work += balance.contact_work;
   energy_.viscous_dissipation += balance.viscous_dissipation;
+  energy_.foundation_dissipation += balance.foundation_dissipation;
+  energy_.drag_dissipation += balance.drag_dissipation;
   energy_.residual += balance.energy_residual;
   if (impact_.obstacles.empty())
     return;
@@ -216,6 +220,10 @@ std::string ImpactSummary::no_restitution_reason() const {
   constexpr double rounding = 1e-12;
   if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
     return "clamps hold the body in the direction of the contact force";
+  if (stepper_.operators().foundation_A || stepper_.operators().foundation_B)
+    return "a foundation acts on the body";
+  if (stepper_.operators().drag)
+    return "mass damping acts on the body";
   if (moving_)
     return "an obstacle moves";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"

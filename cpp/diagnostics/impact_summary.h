@@ -68,11 +68,13 @@ struct Impact {
 /// Sources and sinks of a motion's energy, J (in 2D J/m), as sums over its steps.
 struct EnergyAccount {
   double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
-  double load_work = 0;           ///< work of the scene's loads
-  double other_work = 0;          ///< work of a control and of moving clamps
-  double contact_work = 0;        ///< work of contact
-  double viscous_dissipation = 0; ///< dissipation by viscosity
-  double residual = 0;            ///< residual of the energy law
+  double load_work = 0;                                    ///< work of the scene's loads
+  double other_work = 0;                                   ///< work of a control and of moving clamps
+  double contact_work = 0;                                 ///< work of contact
+  double viscous_dissipation = 0;                          ///< dissipation by viscosity
+  double foundation_at_start = 0, foundation_at_end = 0;   ///< energy of foundations
+  double foundation_dissipation = 0, drag_dissipation = 0; ///< dissipation by dashpots and by mass damping
+  double residual = 0;                                     ///< residual of the energy law
 };
 
 /// Sums up energies and contact of a motion frame by frame.

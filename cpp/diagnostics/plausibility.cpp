@@ -261,7 +261,7 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
     warnings.push_back(fmt::format("in a step of {:.3g} s a wave crosses the body of {:.3g} m {:.3g} times; "
                                    "such steps resolve no waves, only slower motions",
                                    time.step, length, 1 / figures.crossing_steps));
-  if (!stepper.pairs() || stepper.pairs()->moving())
+  if (!stepper.pairs() || stepper.pairs()->moving() || stepper.operators().surrounded())
     return;
   const double gap = std::ranges::min(stepper.pairs()->psi());
   if (gap > farthest * length &&

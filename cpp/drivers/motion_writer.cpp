@@ -27,6 +27,7 @@ MotionWriter::MotionWriter(const problem::Problem& problem, const io::OutputFold
                            const control::Objective* objective, bool controlled,
                            const trajectory::StepErrors* errors)
     : problem_(problem), folder_(folder), objective_(objective),
+      columns_(io::StepsColumns::of(problem.scene, objective != nullptr)),
       plausibility_(problem.stepper, problem.scene), forces_(problem.stepper),
       resolution_(problem.stepper, problem.scene),
       step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors),
@@ -53,7 +54,7 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
     file->append(header);
   };
   if (output.table(scene::StoredTable::steps))
-    open(steps_, "steps.csv", io::steps_header(dim, objective_ != nullptr));
+    open(steps_, "steps.csv", io::steps_header(dim, columns_));
   const contact::ContactPairs* pairs = problem_.stepper.pairs();
   const bool contact = pairs && output.table(scene::StoredTable::contact);
   if (contact || output.field(Field::pressure))
@@ -139,11 +140,9 @@ void MotionWriter::add_rows(const trajectory::Frame& frame, const diagnostics::S
     file.append(text_);
   };
   if (steps_) {
-    std::optional<double> tracking_error;
-    if (objective_)
-      tracking_error = objective_->distance(frame.step.k, frame.after.y());
+    const double tracking_error = objective_ ? objective_->distance(frame.step.k, frame.after.y()) : 0;
     append(*steps_, [&] {
-      io::add_steps_row(text_, frame.step.k, time, dim, balance, *invariants_, frame.contact,
+      io::add_steps_row(text_, columns_, frame.step.k, time, dim, balance, *invariants_, frame.contact,
                         forces_.all().normal_force, tracking_error);
     });
   }

@@ -96,6 +96,7 @@ private:
   const problem::Problem& problem_;
   const io::OutputFolder& folder_;
   const control::Objective* objective_;
+  io::StepsColumns columns_;
   std::optional<diagnostics::Balance> balance_;
   std::optional<diagnostics::Invariants> invariants_;
   diagnostics::Plausibility plausibility_;

@@ -104,12 +104,14 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
 }
 
 void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
-  std::string text = fmt::format("energy, kinetic and elastic: {:.4g} {} at the start",
-                                 energy.kinetic_at_start + energy.elastic_at_start, per_depth("J", dim));
+  const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start,
+               end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end;
+  std::string text =
+      fmt::format("energy, kinetic and elastic: {:.4g} {} at the start", start, per_depth("J", dim));
   constexpr double rounding = 1e-12;
   const double largest =
-      std::max({energy.kinetic_at_start + energy.elastic_at_start, std::abs(energy.load_work),
-                std::abs(energy.other_work), std::abs(energy.contact_work), energy.viscous_dissipation});
+      std::max({start, std::abs(energy.load_work), std::abs(energy.other_work), std::abs(energy.contact_work),
+                energy.viscous_dissipation, energy.foundation_dissipation, energy.drag_dissipation});
   const auto add = [&](const char* by, double work) {
     if (std::abs(work) > rounding * largest)
       text += fmt::format(", {:+.4g} by {}", work, by);
@@ -118,8 +120,12 @@ void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<s
   add("control and clamps", energy.other_work);
   add("contact", energy.contact_work);
   add("viscosity", -energy.viscous_dissipation);
-  lines.push_back(text + fmt::format(": {:.4g} at the end, {:.4g} of it elastic",
-                                     energy.kinetic_at_end + energy.elastic_at_end, energy.elastic_at_end));
+  add("dashpots of foundations", -energy.foundation_dissipation);
+  add("mass damping", -energy.drag_dissipation);
+  text += fmt::format(": {:.4g} at the end, {:.4g} of it elastic", end, energy.elastic_at_end);
+  if (energy.foundation_at_start > 0 || energy.foundation_at_end > 0)
+    text += fmt::format(", {:.4g} in foundations", energy.foundation_at_end);
+  lines.push_back(std::move(text));
 }
 
 } // namespace

@@ -71,11 +71,11 @@ namespace {
 
 /// Generated code of all forms, in the order of enum Form, and of all fields, in the order of enum CellField.
 struct Generated {
-  std::array<const ufcx_form*, 14> forms;
+  std::array<const ufcx_form*, 15> forms;
   std::array<const ufcx_expression*, 3> fields;
 };
 constexpr std::array names{
-    "L2",        "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m",       "a",    "b", "d",
+    "L2",        "L2_surface", "L2_cellwise", "L2_cellwise_surface", "springs", "m",    "a", "b", "d",
     "d_elastic", "m_rho",      "a_young",     "a_poisson",           "b_kappa", "b_eta"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
@@ -84,6 +84,7 @@ constexpr std::array names{
      form_viscoelasticity_##cell##_##degree##_L2_surface,                                                    \
      form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                   \
      form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                           \
+     form_viscoelasticity_##cell##_##degree##_springs,                                                       \
      form_viscoelasticity_##cell##_##degree##_m,                                                             \
      form_viscoelasticity_##cell##_##degree##_a,                                                             \
      form_viscoelasticity_##cell##_##degree##_b,                                                             \
@@ -119,23 +120,25 @@ using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Cons
 
 /// Constants of forms and fields, by their names in forms/viscoelasticity.py. A material without viscosity
 /// has the viscosities zero.
-Constants constants(const scene::Material& material, double tau) {
+Constants constants(const scene::Material& material, double tau, const Springs& springs = {}) {
   const auto constant = [](double value) {
     return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
   };
-  const scene::Viscosity viscosity = material.viscosity.value_or(scene::Viscosity{});
+  const scene::Viscosity viscosity = material.total_viscosity();
   return {{"rho", constant(material.density)},     {"young", constant(material.young)},
           {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
-          {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
+          {"eta", constant(viscosity.shear)},      {"tau", constant(tau)},
+          {"k_normal", constant(springs.normal)},  {"k_tangential", constant(springs.tangential)}};
 }
 
 /// Compiles a form over `entities`: cells, or facets given as pairs of a cell and the facet's number in this
 /// cell.
 Compiled compile(const Space& space, Form form, const scene::Material& material, double tau,
-                 const std::vector<std::int32_t>& entities) {
+                 const std::vector<std::int32_t>& entities, const Springs& springs = {}) {
   using enum dolfinx::fem::IntegralType;
   const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
-  const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
+  const bool surface = form == Form::L2_surface || form == Form::L2_cellwise_surface || form == Form::springs;
+  const auto type = surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   const ufcx_form& code = *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form));
   // Check the generated code, since dolfinx leaves out integrals without entities.
@@ -146,15 +149,15 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
     throw std::runtime_error(
         "forms/viscoelasticity.py: a form must use the measure dx(1) alone, a form on a surface ds(1) alone");
   return dolfinx::fem::create_form<PetscScalar, double>(
-      code, {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants(material, tau),
+      code, {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants(material, tau, springs),
       {{type, {{1, entities}}}}, {});
 }
 
 void add(const Space& space, Form form, const scene::Material& material, double tau,
-         const std::vector<std::int32_t>& entities, Mat matrix) {
+         const std::vector<std::int32_t>& entities, Mat matrix, const Springs& springs = {}) {
   ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES),
-                                compile(space, form, material, tau, entities), {});
+                                compile(space, form, material, tau, entities, springs), {});
 }
 
 void finish(Mat matrix) {
@@ -243,7 +246,7 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
                        const char* type) {
   petsc::Matrix matrix = empty(space, form, parts, tau, type);
   for (const Part& part : parts) {
-    const bool elastic = !part.material.viscosity;
+    const bool elastic = !part.material.viscous();
     add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
   }
   finish(matrix);
@@ -272,6 +275,23 @@ petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
   return symmetric(space.layout().extended(assemble_over(space, group, key, Form::L2, Form::L2_surface)));
+}
+
+std::vector<std::int32_t> sides(const Space& space, const std::string& group, const std::string& key) {
+  return sides(space, space.mesh().facets(group, key));
+}
+
+petsc::Matrix assemble_springs(const Space& space, const std::vector<Springs>& surfaces) {
+  constexpr double no_tau = 0;
+  std::vector<std::int32_t> all;
+  for (const Springs& surface : surfaces)
+    all.insert(all.end(), surface.facets.begin(), surface.facets.end());
+  petsc::Matrix matrix(
+      dolfinx::fem::petsc::create_matrix(compile(space, Form::springs, {}, no_tau, all), MATBAIJ));
+  for (const Springs& surface : surfaces)
+    add(space, Form::springs, {}, no_tau, surface.facets, matrix, surface);
+  finish(matrix);
+  return symmetric(space.layout().extended(std::move(matrix)));
 }
 
 petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,

@@ -29,6 +29,7 @@ enum class Form {
   L2_surface,
   L2_cellwise,
   L2_cellwise_surface,
+  springs,
   m,
   a,
   b,
@@ -62,6 +63,20 @@ petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part
 /// of the group's cells or, for a group of facets, of the cells with a facet in the group. Collective. Throws
 /// UserError, naming the scene's `key`, as mesh::Mesh::group_dimension does.
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key);
+
+/// Springs, or dashpots, per area of a surface, that act along and across its normal.
+struct Springs {
+  double normal = 0, tangential = 0;  ///< N/m³; of dashpots N s/m³
+  std::vector<std::int32_t> facets{}; ///< facets of the surface: pairs of a cell and the facet's number in it
+};
+
+/// Returns the facets of a group that this rank owns, each as a pair of a cell and the facet's number in this
+/// cell. Collective. Throws UserError, naming the scene's `key`, unless the group is one of facets.
+std::vector<std::int32_t> sides(const Space& space, const std::string& group, const std::string& key);
+
+/// Assembles the form `springs` over several surfaces, in blocks (BAIJ). Only nodes of cells at these
+/// surfaces have entries. Collective.
+petsc::Matrix assemble_springs(const Space& space, const std::vector<Springs>& surfaces);
 
 /// Assembles ∫ u·φ for cellwise constant u (columns) and φ in V (rows) over a group of cells or facets, or
 /// over the body if `group` is absent (AIJ). Collective. Throws UserError, naming the scene's `key`, as

@@ -3,6 +3,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "fem/foundations.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -163,20 +164,55 @@ petsc::Vector diagonal(Mat matrix) {
   return diagonal;
 }
 
+namespace {
+
+constexpr double no_tau = 0; // for forms without a time step
+
+/// Assembles Σ α M over the materials (BAIJ); null if no material has mass-proportional damping. Collective.
+petsc::Matrix assemble_drag(const Space& space, std::vector<Part> body) {
+  if (std::ranges::none_of(body, [](const Part& part) { return part.material.mass_damping() > 0; }))
+    return {};
+  for (Part& part : body)
+    part.material.density *= part.material.mass_damping();
+  return assemble(space, Form::m, body, no_tau, MATBAIJ);
+}
+
+/// Adds c · `part` to `sum`, of whose nonzero pattern that of `part` is a part; nothing if `part` is null.
+void add_part(Mat sum, double c, Mat part) {
+  if (part)
+    check(MatAXPY(sum, c, part, SUBSET_NONZERO_PATTERN));
+}
+
+} // namespace
+
 Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
-                             bool densities) {
+                             bool densities, const std::vector<scene::Foundation>& foundations) {
   const std::vector<Part> body = parts(space.mesh(), materials);
-  constexpr double no_tau = 0; // none of these forms has a time step
-  Operators operators{compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
-                      symmetric_half(assemble(space, Form::a, body, no_tau, MATBAIJ)), std::nullopt,
-                      std::nullopt, std::nullopt};
-  if (std::ranges::any_of(materials, [](const scene::Material& m) { return m.viscosity.has_value(); }))
-    operators.B = symmetric_half(assemble(space, Form::b, body, no_tau, MATBAIJ));
+  Operators operators;
+  operators.foundation_A = assemble_springs(space, foundations);
+  operators.foundation_B = assemble_dashpots(space, foundations, materials);
+  operators.drag = assemble_drag(space, body);
+  operators.M = compress(assemble(space, Form::m, body, no_tau, MATAIJ));
+  const petsc::Matrix A = assemble(space, Form::a, body, no_tau, MATBAIJ);
+  add_part(A, 1, operators.foundation_A);
+  operators.A = symmetric_half(A);
+  if (std::ranges::any_of(materials, &scene::Material::viscous) || operators.foundation_B || operators.drag) {
+    const petsc::Matrix B = assemble(space, Form::b, body, no_tau, MATBAIJ);
+    add_part(B, 1, operators.foundation_B);
+    add_part(B, 1, operators.drag);
+    operators.B = symmetric_half(B);
+  }
   if (densities) {
     operators.W = one_for_all(assemble(space, Form::L2, body, no_tau, MATAIJ));
     operators.uniform_density = ratio(operators.M, *operators.W);
   }
   return operators;
+}
+
+void Operators::add_surroundings(Mat D, double tau) const {
+  add_part(D, tau * tau / 4, foundation_A);
+  add_part(D, tau / 2, foundation_B);
+  add_part(D, tau / 2, drag);
 }
 
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key) {
@@ -231,7 +267,6 @@ petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene
 }
 
 petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials) {
-  constexpr double no_tau = 0;
   return assemble(space, Form::m, parts(space.mesh(), materials), no_tau, MATBAIJ);
 }
 

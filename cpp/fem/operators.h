@@ -44,6 +44,17 @@ struct Operators {
   std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
   std::optional<petsc::Matrix> W;        ///< form L2; present only if requested (`densities`)
   std::optional<double> uniform_density; ///< density ρ with M = ρ W, kg/m³; absent if not uniform
+
+  // Parts of A and B by which the surroundings act on the body, in blocks (BAIJ); null if zero.
+  petsc::Matrix foundation_A; ///< springs of foundations, in A
+  petsc::Matrix foundation_B; ///< dashpots of foundations, in B
+  petsc::Matrix drag;         ///< mass-proportional damping Σ α M, in B
+
+  /// Whether forces of the surroundings depend on the body's motion, so that no rigid motion is free.
+  [[nodiscard]] bool surrounded() const { return foundation_A || foundation_B || drag; }
+  /// Adds the terms of the surroundings to a step operator D for the time step `tau`, s: drag, dashpots and
+  /// springs. Collective.
+  void add_surroundings(Mat D, double tau) const;
 };
 
 /// Diagonal of one of the matrices in Operators, of any storage type. Collective.
@@ -51,9 +62,9 @@ petsc::Vector diagonal(Mat matrix);
 
 /// Assembles the matrices of the body. `densities`: whether W is needed, as it is for loads, nodal controls
 /// and an objective over the whole body. Collective. Throws UserError unless every cell belongs to exactly
-/// one material.
+/// one material, and unless foundations are on groups of facets.
 Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
-                             bool densities);
+                             bool densities, const std::vector<scene::Foundation>& foundations = {});
 
 /// Assembles the L2 product over a part of the body (a group of cells) or a surface (a group of facets). It
 /// is stored like W, one component for all (MAIJ), and has entries only between nodes of the group.
@@ -72,7 +83,8 @@ void attach_rigid_motions(Mat matrix, const Space& space);
 petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 
 /// Assembles the step operator D (docs/method.md section 1) from the form d for the time step `tau`, s, in
-/// blocks (BAIJ); parts without viscosity use d_elastic. Collective. Throws as assemble_operators does.
+/// blocks (BAIJ), without Operators::add_surroundings(); parts without viscosity use d_elastic. Collective.
+/// Throws as assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 

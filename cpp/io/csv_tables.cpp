@@ -15,19 +15,26 @@ constexpr const char* axes[] = {"x", "y", "z"};
 
 } // namespace
 
-std::string steps_header(int dim, bool tracking) {
+StepsColumns StepsColumns::of(const scene::Scene& scene, bool tracking) {
+  const auto dragged = [](const scene::Material& material) { return material.mass_damping() > 0; };
+  return {tracking, !scene.foundations.empty(), std::ranges::any_of(scene.materials, dragged)};
+}
+
+std::string steps_header(int dim, const StepsColumns& columns) {
   std::string text = "step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,"
                      "energy_residual,";
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
   return text + fmt::format("active,weak,min_gap,vi_iterations,momentum_residual,complementarity{},"
-                            "normal_force,load_work\n",
-                            tracking ? ",tracking_error" : "");
+                            "normal_force,load_work{}{}\n",
+                            columns.tracking ? ",tracking_error" : "",
+                            columns.foundation ? ",foundation_energy,foundation_dissipation" : "",
+                            columns.drag ? ",drag_dissipation" : "");
 }
 
-void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
-                   const diagnostics::Invariants& invariants, const contact::ContactState& contact,
-                   double normal_force, std::optional<double> tracking_error) {
+void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
+                   const diagnostics::StepBalance& balance, const diagnostics::Invariants& invariants,
+                   const contact::ContactState& contact, double normal_force, double tracking_error) {
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{},{:.10g},{},{},{},{},{},{:.6e},", k, time, balance.kinetic_energy,
                  balance.elastic_energy, balance.viscous_dissipation, balance.external_work,
@@ -39,9 +46,14 @@ void add_steps_row(std::string& text, int k, double time, int dim, const diagnos
       contact.gap.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::min(contact.normal_gap());
   fmt::format_to(out, "{},{},{},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak, least,
                  contact.vi_iterations, invariants.momentum(), invariants.complementarity());
-  if (tracking_error)
-    fmt::format_to(out, ",{}", *tracking_error);
-  fmt::format_to(out, ",{},{}\n", normal_force, balance.load_work);
+  if (columns.tracking)
+    fmt::format_to(out, ",{}", tracking_error);
+  fmt::format_to(out, ",{},{}", normal_force, balance.load_work);
+  if (columns.foundation)
+    fmt::format_to(out, ",{},{}", balance.foundation_energy, balance.foundation_dissipation);
+  if (columns.drag)
+    fmt::format_to(out, ",{}", balance.drag_dissipation);
+  text += '\n';
 }
 
 void History::add(const Row& row) {

@@ -15,16 +15,24 @@
 /// The CSV files of a run, as text.
 namespace signorini::io {
 
-/// Header of steps.csv, which has one row per time step after row 0 for the initial state. `tracking`:
-/// whether there is a column of the tracking error, as in a run with an objective.
-std::string steps_header(int dim, bool tracking);
+/// Columns of steps.csv that not every run has.
+struct StepsColumns {
+  bool tracking = false;   ///< tracking error, in runs with an objective
+  bool foundation = false; ///< energy and dissipation of foundations
+  bool drag = false;       ///< dissipation by mass damping
+
+  /// Columns of a scene; `tracking`: whether the run has an objective.
+  static StepsColumns of(const scene::Scene& scene, bool tracking);
+};
+
+/// Header of steps.csv, which has one row per time step after row 0 for the initial state.
+std::string steps_header(int dim, const StepsColumns& columns);
 
 /// Appends row k of steps.csv. `time`: s; `normal_force`: sum of the moduli of the nodal contact forces, N
-/// (in 2D N/m); `tracking_error`: L2 norm of y − y_d at `time`, m² (in 3D m^5/2), given if the header has a
-/// column for it.
-void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
-                   const diagnostics::Invariants& invariants, const contact::ContactState& contact,
-                   double normal_force, std::optional<double> tracking_error);
+/// (in 2D N/m); `tracking_error`: L2 norm of y − y_d at `time`, m² (in 3D m^5/2), unused without that column.
+void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
+                   const diagnostics::StepBalance& balance, const diagnostics::Invariants& invariants,
+                   const contact::ContactState& contact, double normal_force, double tracking_error);
 
 /// Table of history.csv: a row of numbers for each iterate of a search.
 struct History {

@@ -2,6 +2,7 @@
 #include "io/manifest.h"
 #include "base/machine.h"
 #include "base/timers.h"
+#include "io/csv_tables.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>
@@ -22,11 +23,13 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact.obstacle); };
   const auto& objective = scene.objective;
   const scene::ContactScheme scheme = scene.contact_scheme();
-  const bool viscous = std::ranges::any_of(
-      scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
+  const bool viscous = std::ranges::any_of(scene.materials, &scene::Material::viscous);
+  const auto dragged = [](const scene::Material& material) { return material.mass_damping() > 0; };
   return {
       {"several materials", scene.materials.size() > 1},
       {"viscosity", viscous},
+      {"mass damping", std::ranges::any_of(scene.materials, dragged)},
+      {"foundation", !scene.foundations.empty()},
       {"clamp", !scene.clamps.empty()},
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
       {"contact", !scene.contacts.empty()},
@@ -37,6 +40,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"body load", scene.load && given(scene.load->body)},
       {"gravity", scene.load && given(scene.load->gravity)},
       {"traction", scene.load && !scene.load->tractions.empty()},
+      {"point force", scene.load && !scene.load->points.empty()},
       {"initial displacement", given(scene.initial.displacement)},
       {"initial velocity", given(scene.initial.velocity)},
       {"control", scene.control.has_value()},
@@ -135,16 +139,24 @@ ordered_json impact_json(const diagnostics::Impact& impact, int dim) {
   return json;
 }
 
-ordered_json energy_json(const diagnostics::EnergyAccount& energy) {
-  return {{"kinetic_at_start", energy.kinetic_at_start},
-          {"elastic_at_start", energy.elastic_at_start},
-          {"load_work", energy.load_work},
-          {"control_and_clamp_work", energy.other_work},
-          {"contact_work", energy.contact_work},
-          {"viscous_dissipation", energy.viscous_dissipation},
-          {"residual", energy.residual},
-          {"kinetic_at_end", energy.kinetic_at_end},
-          {"elastic_at_end", energy.elastic_at_end}};
+ordered_json energy_json(const diagnostics::EnergyAccount& energy, const StepsColumns& columns) {
+  ordered_json json{{"kinetic_at_start", energy.kinetic_at_start},
+                    {"elastic_at_start", energy.elastic_at_start},
+                    {"load_work", energy.load_work},
+                    {"control_and_clamp_work", energy.other_work},
+                    {"contact_work", energy.contact_work},
+                    {"viscous_dissipation", energy.viscous_dissipation},
+                    {"residual", energy.residual},
+                    {"kinetic_at_end", energy.kinetic_at_end},
+                    {"elastic_at_end", energy.elastic_at_end}};
+  if (columns.foundation) {
+    json["foundation_at_start"] = energy.foundation_at_start;
+    json["foundation_dissipation"] = energy.foundation_dissipation;
+    json["foundation_at_end"] = energy.foundation_at_end;
+  }
+  if (columns.drag)
+    json["drag_dissipation"] = energy.drag_dissipation;
+  return json;
 }
 
 ordered_json body_json(const diagnostics::BodyFigures& body) {
@@ -302,7 +314,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   if (m.von_mises)
     json["largest_von_mises"] = stress_json(m);
   if (m.energy)
-    json["energy"] = energy_json(*m.energy);
+    json["energy"] = energy_json(*m.energy, StepsColumns::of(scene, false));
   for (const diagnostics::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   json["warnings"] = ordered_json::array();

@@ -211,7 +211,7 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
                       [&] {
                         return fem::assemble_operators(
                             space, s.materials,
-                            has_densities(s, needs.derivatives || s.objective.has_value()));
+                            has_densities(s, needs.derivatives || s.objective.has_value()), s.foundations);
                       })),
       stepper(timed(t, "solver", [&] { return step::Stepper(space, operators, s, needs); })),
       grid(stepper.step_lengths() ? step::TimeGrid(*stepper.step_lengths()) : step::TimeGrid(s.time)),

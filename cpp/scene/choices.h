@@ -70,6 +70,8 @@ enum class Parameter {
   poisson,
   bulk,
   shear,
+  alpha,
+  beta,
   density,
   displacement,
   velocity,
@@ -79,11 +81,33 @@ enum class Parameter {
   radius,
   body,
   gravity,
-  traction
+  traction,
+  normal_stiffness,
+  tangential_stiffness,
+  normal_damping,
+  tangential_damping
 };
-constexpr Names<14> names(Parameter) {
-  return {"young",    "poisson", "bulk",   "shear",  "density",   "initial.displacement", "initial.velocity",
-          "position", "angle",   "center", "radius", "load.body", "load.gravity",         "load.traction"};
+constexpr Names<20> names(Parameter) {
+  return {"young",
+          "poisson",
+          "bulk",
+          "shear",
+          "rayleigh.alpha",
+          "rayleigh.beta",
+          "density",
+          "initial.displacement",
+          "initial.velocity",
+          "position",
+          "angle",
+          "center",
+          "radius",
+          "load.body",
+          "load.gravity",
+          "load.traction",
+          "stiffness.normal",
+          "stiffness.tangential",
+          "damping.normal",
+          "damping.tangential"};
 }
 
 /// Scale on which a fit varies an unknown and reports its uncertainty.

@@ -73,6 +73,23 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     if ((unknown.of == Parameter::bulk || unknown.of == Parameter::shear) &&
         !scene.materials[material_of(scene, unknown)].viscosity)
       in.fail("of", fmt::format("found \"{}\" of an elastic material; give the material a viscosity", of));
+    if ((unknown.of == Parameter::alpha || unknown.of == Parameter::beta) &&
+        !scene.materials[material_of(scene, unknown)].rayleigh)
+      in.fail("of",
+              fmt::format("found \"{}\" of a material without rayleigh; give the material this table", of));
+  } else if (of_foundation(unknown.of)) {
+    std::vector<std::string> groups;
+    for (const Foundation& foundation : scene.foundations)
+      groups.push_back(foundation.on);
+    if (groups.empty())
+      absent("[[foundation]]");
+    one_of(groups, "one foundation only");
+    const Foundation& foundation = scene.foundations[foundation_of(scene, unknown)];
+    const bool stiff =
+        unknown.of == Parameter::normal_stiffness || unknown.of == Parameter::tangential_stiffness;
+    if (stiff ? !foundation.stiffness : !foundation.damping)
+      in.fail("of", fmt::format("found \"{}\" of a foundation without {}; give the foundation this table", of,
+                                stiff ? "stiffness" : "damping"));
   } else if (of_obstacle(unknown.of)) {
     require_obstacle_parameter(in, unknown, scene);
   } else if (unknown.of == Parameter::velocity || unknown.of == Parameter::displacement) {
@@ -108,9 +125,10 @@ void require_natural(const Reader& in, const char* key, double value, const Unkn
 
 /// Whether two unknowns of the same kind belong to the same material, obstacle, group of tractions or load.
 bool same_target(const Scene& scene, const Unknown& a, const Unknown& b) {
-  return of_material(a.of)   ? material_of(scene, a) == material_of(scene, b)
-         : of_obstacle(a.of) ? contact_of(scene, a) == contact_of(scene, b)
-                             : a.on == b.on;
+  return of_material(a.of)     ? material_of(scene, a) == material_of(scene, b)
+         : of_obstacle(a.of)   ? contact_of(scene, a) == contact_of(scene, b)
+         : of_foundation(a.of) ? foundation_of(scene, a) == foundation_of(scene, b)
+                               : a.on == b.on;
 }
 
 /// Throws UserError if an earlier unknown stands for the same number of the scene. A component of a field and
@@ -152,8 +170,9 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
                         unknown.of == Parameter::angle;
   require_where(in, "component", unknown.of == Parameter::center, in_place || unknown.of == Parameter::center,
                 "has no effect on an unknown without direction; remove it");
-  if (!of_material(unknown.of) && unknown.of != Parameter::traction && in.has("on"))
-    in.fail("on", "has an effect only on materials and tractions; remove it");
+  if (!of_material(unknown.of) && !of_foundation(unknown.of) && unknown.of != Parameter::traction &&
+      in.has("on"))
+    in.fail("on", "has an effect only on materials, foundations and tractions; remove it");
   if (!of_obstacle(unknown.of) && in.has("obstacle"))
     in.fail("obstacle", "has an effect only on parameters of obstacles; remove it");
   std::string usual = name(unknown.of);
@@ -165,8 +184,9 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   require_free_name(in, unknown.name);
   require_another(in, unknown, scene);
   if (!in.has("scale"))
-    unknown.scale = of_material(unknown.of) && unknown.of != Parameter::poisson ? ParameterScale::logarithmic
-                                                                                : ParameterScale::linear;
+    unknown.scale = (of_material(unknown.of) && unknown.of != Parameter::poisson) || of_foundation(unknown.of)
+                        ? ParameterScale::logarithmic
+                        : ParameterScale::linear;
   require_component(in, unknown, scene);
   if (!in.has("start")) {
     const std::optional<double> own = value_in_scene(scene, unknown);

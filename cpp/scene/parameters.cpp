@@ -86,8 +86,21 @@ void multiply(Components& components, double factor) {
   }
 }
 
-/// Reference to the material parameter that is unknown.
-double& material_number(Scene& scene, const Unknown& unknown) {
+/// Reference to the number of a material or a foundation that is unknown.
+double& number_of(Scene& scene, const Unknown& unknown) {
+  if (of_foundation(unknown.of)) {
+    Foundation& foundation = scene.foundations[foundation_of(scene, unknown)];
+    switch (unknown.of) {
+    case Parameter::normal_stiffness:
+      return foundation.stiffness.value().normal;
+    case Parameter::tangential_stiffness:
+      return foundation.stiffness.value().tangential;
+    case Parameter::normal_damping:
+      return foundation.damping.value().normal;
+    default:
+      return foundation.damping.value().tangential;
+    }
+  }
   Material& material = scene.materials[material_of(scene, unknown)];
   switch (unknown.of) {
   case Parameter::young:
@@ -98,6 +111,10 @@ double& material_number(Scene& scene, const Unknown& unknown) {
     return material.viscosity.value().bulk;
   case Parameter::shear:
     return material.viscosity.value().shear;
+  case Parameter::alpha:
+    return material.rayleigh.value().alpha;
+  case Parameter::beta:
+    return material.rayleigh.value().beta;
   default:
     return material.density;
   }
@@ -109,8 +126,14 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::poisson:
   case Parameter::bulk:
   case Parameter::shear:
+  case Parameter::alpha:
+  case Parameter::beta:
   case Parameter::density:
-    material_number(scene, unknown) = value;
+  case Parameter::normal_stiffness:
+  case Parameter::tangential_stiffness:
+  case Parameter::normal_damping:
+  case Parameter::tangential_damping:
+    number_of(scene, unknown) = value;
     return;
   case Parameter::displacement:
   case Parameter::velocity: {
@@ -163,6 +186,16 @@ std::string unit(const Unknown& unknown) {
   case Parameter::bulk:
   case Parameter::shear:
     return "Pa s";
+  case Parameter::alpha:
+    return "1/s";
+  case Parameter::beta:
+    return "s";
+  case Parameter::normal_stiffness:
+  case Parameter::tangential_stiffness:
+    return "N/m³";
+  case Parameter::normal_damping:
+  case Parameter::tangential_damping:
+    return "N s/m³";
   case Parameter::density:
     return "kg/m³";
   case Parameter::displacement:
@@ -198,6 +231,13 @@ std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
   throw std::out_of_range("no obstacle of the scene has this unknown");
 }
 
+std::size_t foundation_of(const Scene& scene, const Unknown& unknown) {
+  for (std::size_t i = 0; i < scene.foundations.size(); ++i)
+    if (scene.foundations.size() == 1 || scene.foundations[i].on == unknown.on)
+      return i;
+  throw std::out_of_range("an unknown of no foundation");
+}
+
 bool scales(const Unknown& unknown, const Traction& traction) {
   return !unknown.on || traction.on == *unknown.on;
 }
@@ -210,6 +250,12 @@ Limits natural_limits(Parameter of) {
     return {.least = 0, .open = true};
   case Parameter::bulk:
   case Parameter::shear:
+  case Parameter::alpha:
+  case Parameter::beta:
+  case Parameter::normal_stiffness:
+  case Parameter::tangential_stiffness:
+  case Parameter::normal_damping:
+  case Parameter::tangential_damping:
     return {.least = 0};
   case Parameter::poisson:
     return {.least = -1, .greatest = 0.5, .open = true};
@@ -233,9 +279,15 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
   case Parameter::poisson:
   case Parameter::bulk:
   case Parameter::shear:
-  case Parameter::density: {
+  case Parameter::alpha:
+  case Parameter::beta:
+  case Parameter::density:
+  case Parameter::normal_stiffness:
+  case Parameter::tangential_stiffness:
+  case Parameter::normal_damping:
+  case Parameter::tangential_damping: {
     Scene copy = scene;
-    return material_number(copy, unknown);
+    return number_of(copy, unknown);
   }
   case Parameter::displacement:
   case Parameter::velocity:

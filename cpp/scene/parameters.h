@@ -17,6 +17,7 @@ std::string unit(const Unknown& unknown);
 Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
+constexpr bool of_foundation(Parameter of) { return of >= Parameter::normal_stiffness; }
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
 
 /// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these
@@ -29,6 +30,10 @@ std::size_t material_of(const Scene& scene, const Unknown& unknown);
 /// Index in scene.contacts of the obstacle to which an unknown belongs. Throws std::out_of_range if the scene
 /// has no such obstacle, which reading a scene excludes.
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
+
+/// Index in scene.foundations of the foundation to which an unknown belongs. Throws std::out_of_range if the
+/// scene has no such foundation, which reading a scene excludes.
+std::size_t foundation_of(const Scene& scene, const Unknown& unknown);
 
 /// Value that the other tables of the scene give to an unknown, such as a density. It is 1 for a factor, and
 /// 0 for the displacement or rotation of a plane. Absent if the tables give an expression of place or time.

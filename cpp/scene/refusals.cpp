@@ -49,9 +49,9 @@ const std::vector<Refusal>& refusals() {
        {"hyperelastic", "hookean", "neohookean", "mooney", "ogden", "yield", "plastic", "plasticity",
         "hardening", "damage", "fracture"},
        {"material.model", "material.law", "material.type"}},
-      {"relaxation and Rayleigh damping",
-       "damping is material.viscosity = { bulk, shear }",
-       {"prony", "relaxation", "maxwell", "rayleigh", "moduli"},
+      {"relaxation",
+       "damping is material.viscosity = { bulk, shear } or material.rayleigh = { alpha, beta }",
+       {"prony", "relaxation", "maxwell", "moduli"},
        {"material.damping", "damping"}},
       {"anisotropic materials", "materials are isotropic", {"orthotropic", "anisotropic", "fibre", "fiber"}},
       {"heat", "there is no temperature", {"temperature", "thermal", "heat", "conductivity"}},
@@ -59,13 +59,9 @@ const std::vector<Refusal>& refusals() {
        "a body in the plane is in plane strain, per metre of depth",
        {"axisymmetric", "thickness"},
        {"mesh.model", "material.plane_stress", "mesh.plane_stress", "plane_stress"}},
-      {"elastic foundations and absorbing boundaries",
-       "a boundary is free, clamped, loaded or in contact",
-       {"foundation", "spring", "springs", "winkler", "absorbing"}},
-      {"forces on points",
-       "loads act on bodies and groups of their boundary: load.traction",
-       {},
-       {"load.point", "load.points", "load.force", "load.nodal"}}};
+      {"single springs",
+       "springs act per area of a surface: [[foundation]]",
+       {"spring", "springs", "winkler"}}};
   return all;
 }
 

@@ -12,18 +12,6 @@
 
 namespace signorini::scene {
 
-void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
-  const std::string extension = mesh.file.extension().string();
-  const bool meshed = extension == ".msh";
-  if (extension != ".geo" && !meshed)
-    in.fail("file", fmt::format("found \"{}\"; expected a file that ends in .geo or .msh", in.text("file")));
-  if (mesh.size && meshed)
-    in.fail("size", "has no effect on a .msh, which is meshed already; use it with a .geo");
-  if (in.has("scale") && (meshed || mesh.size))
-    in.fail("scale", fmt::format("has no effect {}; use it with a .geo that sets its own sizes",
-                                 mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
-}
-
 namespace {
 
 /// Returns end / step, the number of steps to `end` (s). Throws UserError unless the quotient is whole.
@@ -72,18 +60,6 @@ void require_rules(Reader& in, Time& time, const Scene&) {
     return;
   }
   time.steps = whole_steps(in, time.end, time.step, "time.step");
-}
-
-void require_rules(Reader& in, const Material& material, const Scene& scene) {
-  if (in.one_of_several())
-    in.require("on");
-  else if (material.on)
-    in.fail("on", "has no effect in [material], which applies to the whole body; use it in tables "
-                  "[[material]]");
-  for (std::size_t i = 0; i + 1 < scene.materials.size(); ++i)
-    if (scene.materials[i].on == material.on)
-      in.fail("on", fmt::format("found \"{}\", which is the group of material[{}]; choose another group",
-                                *material.on, i));
 }
 
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
@@ -329,6 +305,10 @@ void require_dimension(const Scene& scene, int dim) {
   }
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
     require.vector(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i));
+  for (std::size_t i = 0; scene.load && i < scene.load->points.size(); ++i) {
+    require.vector(scene.load->points[i].at.size(), fmt::format("load.point[{}].at", i));
+    require.vector(scene.load->points[i].value.size(), fmt::format("load.point[{}].value", i));
+  }
   require.vector(scene.initial.displacement, "initial.displacement");
   require.vector(scene.initial.velocity, "initial.velocity");
   if (const auto& control = scene.control) {

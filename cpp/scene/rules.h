@@ -12,6 +12,7 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
 /// Checks the rules of [time] and sets the number of steps.
 void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
+void require_rules(Reader& in, const Foundation& foundation, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
 void require_rules(Reader& in, Control& control, const Scene& scene);

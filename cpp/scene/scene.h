@@ -1,63 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "scene/choices.h"
-#include "scene/time_series.h"
+#include "scene/body.h"
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
 /// Validated scenes in SI units, with defaults. An absent optional means no effect, unless stated.
 namespace signorini::scene {
-
-/// An expression in x, y, z (m) and t (s), or a time series.
-struct Expression {
-  std::string text;                         ///< the expression, or the TOML table that names the time series
-  std::shared_ptr<const TimeSeries> series; ///< the time series; null for an expression
-  double factor = 1, shift = 0; ///< value: factor · (expression or series) + shift; set by fits, not in files
-
-  Expression(std::string expression) : text(std::move(expression)) {}
-  Expression(const char* expression) : text(expression) {}
-  template <class Number>
-    requires std::is_arithmetic_v<Number>
-  Expression(Number value) : text(written(static_cast<double>(value))) {}
-  Expression(std::string table, TimeSeries given)
-      : text(std::move(table)), series(std::make_shared<const TimeSeries>(std::move(given))) {}
-
-  friend bool operator==(const Expression& a, const Expression& b) {
-    return a.text == b.text && a.factor == b.factor && a.shift == b.shift;
-  }
-
-private:
-  static std::string written(double value);
-};
-inline std::string_view format_as(const Expression& expression) { return expression.text; } // for fmt
-
-/// Components of a vector field, one expression each.
-using Components = std::vector<Expression>;
-
-/// Table [mesh].
-struct Mesh {
-  std::filesystem::path file; ///< path of a .geo or .msh file, absolute
-  std::optional<double>
-      size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
-  double scale = 1; ///< factor on the sizes that the .geo itself sets
-  LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
-  int degree = 1;                  ///< Lagrange degree of the displacement
-  /// .geo of the same body with element sizes graded by the estimated error; set by the program, not a key.
-  std::filesystem::path graded{};
-
-  /// Whether the element size is "auto", chosen by the estimated error (--accuracy).
-  [[nodiscard]] bool automatic() const { return size == 0.0; }
-  /// Whether the file is a mesh already, a .msh.
-  [[nodiscard]] bool meshed() const { return file.extension() == ".msh"; }
-};
 
 /// Table [time]: steps of equal length (docs/method.md section 2) or of varying length (section 11).
 struct Time {
@@ -76,28 +30,6 @@ struct Time {
   /// Whether steps vary in length.
   [[nodiscard]] bool automatic() const { return step == 0; }
   [[nodiscard]] static bool automatic_steps(const Time& time) { return time.automatic(); }
-};
-
-/// Viscosity of a material; docs/method.md section 1.
-struct Viscosity {
-  double bulk = 0;  ///< κ, Pa s
-  double shear = 0; ///< η, Pa s
-};
-
-/// Table [material], or one of [[material]].
-struct Material {
-  std::optional<std::string> on;      ///< physical group of its cells; absent: the whole body
-  double density = 0;                 ///< ρ, kg/m³
-  double young = 0;                   ///< E, Pa
-  double poisson = 0;                 ///< ν
-  std::optional<Viscosity> viscosity; ///< absent: elastic
-};
-
-/// One table [[clamp]].
-struct Clamp {
-  std::string on;                                   ///< physical group
-  std::optional<std::vector<Component>> components; ///< clamped components; absent: all
-  std::optional<Components> value; ///< displacement of each clamped component, m, in x, y, z, t; absent: 0
 };
 
 /// A half-space as an obstacle; may move.
@@ -146,11 +78,18 @@ struct Traction {
   Components value; ///< traction, N/m², as expressions in x, y, z, t
 };
 
+/// One table [[load.point]].
+struct PointForce {
+  std::vector<double> at; ///< point of the undeformed body at which there is a node, m
+  Components value;       ///< force, N (in the plane N/m), as expressions in t
+};
+
 /// Table [load].
 struct Load {
   std::optional<Components> body;    ///< force density, N/m³ in 2D and 3D, in x, y, z, t
   std::optional<Components> gravity; ///< acceleration, m/s², in t; its force is the density times this
   std::vector<Traction> tractions;
+  std::vector<PointForce> points;
 };
 
 /// Table [initial]. Absent fields are zero except where moving clamps prescribe them.
@@ -328,6 +267,7 @@ struct Scene {
   Mesh mesh;
   Time time;
   std::vector<Material> materials; ///< at least one
+  std::vector<Foundation> foundations;
   std::vector<Clamp> clamps;
   std::vector<Contact> contacts;
   std::optional<Load> load;
@@ -361,6 +301,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
 
 /// Name of a contact table in messages: `contact`, or `contact[i]` if there are several.
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
+/// Name of the i-th table [[foundation]] in messages.
+std::string foundation_key(std::size_t i);
 /// Name of a clamp table in messages: `clamp`, or `clamp[i]` if there are several.
 std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
 

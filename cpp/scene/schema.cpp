@@ -82,6 +82,14 @@ Keys<Viscosity> keys_of(Of<Viscosity>) {
           required("shear", &Viscosity::shear, Number{not_negative}, "Pa s")};
 }
 
+Keys<Rayleigh> keys_of(Of<Rayleigh>) {
+  return {value("alpha", &Rayleigh::alpha, Number{not_negative}, "1/s",
+                "damping `alpha` times the mass: a drag on every motion, also on a flight",
+                {.effect = "mass damping"}),
+          value("beta", &Rayleigh::beta, Number{not_negative}, "s",
+                "damping `beta` times the stiffness, as the viscosities `beta` K and `beta` G")};
+}
+
 Keys<Material> keys_of(Of<Material>) {
   return {value("on", &Material::on, Text{}, "",
                 "for a body of several materials, each in a table `[[material]]` in place of `[material]`: "
@@ -91,7 +99,34 @@ Keys<Material> keys_of(Of<Material>) {
           required("density", &Material::density, Number{above_zero}, "kg/m³"),
           required("young", &Material::young, Number{above_zero}, "Pa", "Young's modulus"),
           required("poisson", &Material::poisson, Number{{.least = -1, .greatest = 0.5, .open = true}}),
-          inline_table("viscosity", &Material::viscosity, {.effect = "viscosity"})};
+          inline_table("viscosity", &Material::viscosity, {.effect = "viscosity"}),
+          inline_table("rayleigh", &Material::rayleigh, {.effect = "viscosity"})};
+}
+
+Keys<FoundationStiffness> keys_of(Of<FoundationStiffness>) {
+  return {value("normal", &FoundationStiffness::normal, Number{not_negative}, "N/m³",
+                "springs along the normal of the surface, to the ground"),
+          value("tangential", &FoundationStiffness::tangential, Number{not_negative}, "N/m³",
+                "springs across the normal")};
+}
+
+Keys<FoundationDamping> keys_of(Of<FoundationDamping>) {
+  return {value("normal", &FoundationDamping::normal, Number{not_negative}, "N s/m³",
+                "dashpots along the normal of the surface, to the ground"),
+          value("tangential", &FoundationDamping::tangential, Number{not_negative}, "N s/m³",
+                "dashpots across the normal")};
+}
+
+Keys<Foundation> keys_of(Of<Foundation>) {
+  return {
+      required("on", &Foundation::on, Text{}, "",
+               "group of the boundary that springs and dashpots connect to the ground; each foundation is "
+               "a table `[[foundation]]`"),
+      inline_table("stiffness", &Foundation::stiffness, {}),
+      inline_table("damping", &Foundation::damping, {}),
+      value("absorbing", &Foundation::absorbing, Flag{}, "",
+            "`true`: dashpots that absorb plane waves which arrive along the normal: `density` times the "
+            "speed of pressure waves along the normal, of shear waves across it; in place of `damping`")};
 }
 
 Keys<Clamp> keys_of(Of<Clamp>) {
@@ -200,13 +235,24 @@ Keys<Traction> keys_of(Of<Traction>) {
           required("value", &Traction::value, Expressions{}, "N/m²")};
 }
 
+Keys<PointForce> keys_of(Of<PointForce>) {
+  return {
+      required("at", &PointForce::at, Numbers{}, "m",
+               "point of the undeformed body at which there is a node; each force is a table "
+               "`[[load.point]]`"),
+      required("value", &PointForce::value, Point{}, "N",
+               "force, as expressions in t; in the plane N/m. The displacement of its node depends on the "
+               "mesh")};
+}
+
 Keys<Load> keys_of(Of<Load>) {
   return {value("body", &Load::body, Expressions{}, "N/m³", "", {.otherwise = "none", .effect = "body load"}),
           value("gravity", &Load::gravity, Point{}, "m/s²",
                 "acceleration, such as `[0, -9.81]`; the force density is the density of each material times "
                 "this vector",
                 {.otherwise = "none", .effect = "gravity"}),
-          sections("traction", &Load::tractions, {.effect = "traction"})};
+          sections("traction", &Load::tractions, {.effect = "traction"}),
+          sections("point", &Load::points, {.effect = "point force"})};
 }
 
 Keys<Initial> keys_of(Of<Initial>) {
@@ -358,13 +404,15 @@ Keys<Unknown> keys_of(Of<Unknown>) {
   return {
       required("of", &Unknown::of, Choice<Parameter>{}, "",
                "parameter to fit; each unknown is a table `[[unknown]]`. Of a material: a modulus, a "
-               "viscosity or the density. Of an initial field: the value of one component in the whole body, "
+               "viscosity, a Rayleigh coefficient or the density. Of a foundation: springs or dashpots. Of "
+               "an initial field: the value of one component in the whole body, "
                "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
                "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of a load: a factor "
                "on the load"),
       value("name", &Unknown::name, Text{"text"}, "", "name in tables",
             {.otherwise = "made from `of`, such as `\"young\"`"}),
-      value("on", &Unknown::on, Text{}, "", "group of the material or traction, if there are several",
+      value("on", &Unknown::on, Text{}, "",
+            "group of the material, foundation or traction, if there are several",
             {.otherwise = "the only one"}),
       value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "",
             "obstacle of the parameter, if there are several obstacles", {.otherwise = "the only one"}),
@@ -379,7 +427,9 @@ Keys<Unknown> keys_of(Of<Unknown>) {
             {.otherwise = "natural limit of the parameter; with `\"log\"` 6.7e7 times `start`"}),
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
             "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
-            {.otherwise = "`\"log\"` for moduli, viscosities and densities; else `\"linear\"`"}),
+            {.otherwise =
+                 "`\"log\"` for moduli, viscosities, Rayleigh coefficients, densities and foundations; else "
+                 "`\"linear\"`"}),
       inline_table("prior", &Unknown::prior, {})};
 }
 
@@ -545,6 +595,7 @@ Keys<Scene> keys_of(Of<Scene>) {
           section("time", &Scene::time, {.required = true}),
           sections("material", &Scene::materials, {.required = true},
                    [](const std::vector<Material>& materials) { return !materials.front().on; }),
+          sections("foundation", &Scene::foundations, {.effect = "foundation"}),
           sections("clamp", &Scene::clamps, {.effect = "clamp"}),
           sections("contact", &Scene::contacts, {.effect = "contact"},
                    [](const std::vector<Contact>& contacts) { return contacts.size() == 1; }),

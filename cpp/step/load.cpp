@@ -77,6 +77,9 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, d
     const Mat product = made.surface;
     add(std::move(made), product);
   }
+  for (std::size_t i = 0; i < scene.points.size(); ++i)
+    points_.push_back(
+        std::make_unique<PointForce>(space, scene.points[i], fmt::format("load.point[{}]", i), end));
 }
 
 SceneLoad::Term SceneLoad::term(const scene::Components& components, const std::string& key) const {
@@ -105,35 +108,44 @@ void SceneLoad::add_term(const Term& term, const TimeStep& step, Vec out) {
 template <class Visit>
 void SceneLoad::for_each(Visit&& visit) const {
   if (body_)
-    visit(*body_);
-  std::ranges::for_each(forces_, visit);
+    visit(body_->profile);
+  for (const Term& term : forces_)
+    visit(term.profile);
+  for (const auto& point : points_)
+    visit(point->profile());
 }
 
 bool SceneLoad::depends_on_time() const {
   bool any = false;
-  for_each([&](const Term& term) { any |= term.profile.field().depends_on_time(); });
+  for_each([&](const fem::TimeProfile& profile) { any |= profile.field().depends_on_time(); });
   return any;
 }
 
 double SceneLoad::variation(double from, double to) const {
   double most = 0;
-  for_each([&](const Term& term) { most = std::max(most, term.profile.variation(from, to)); });
+  for_each([&](const fem::TimeProfile& profile) { most = std::max(most, profile.variation(from, to)); });
   return most;
 }
 
 std::vector<Warning> SceneLoad::warnings() const {
   constexpr double noticeable = fem::TimeProfile::noticeable;
   std::vector<Warning> found;
-  for_each([&](const Term& term) {
-    if (const double off = term.profile.unresolved(); off > noticeable)
+  for_each([&](const fem::TimeProfile& profile) {
+    if (const double off = profile.unresolved(); off > noticeable)
       found.push_back(
           {"load not integrated",
            fmt::format(
                "{}: the expression changes too fast to be integrated: its impulse may have a relative error "
                "of {:.2g}",
-               term.profile.field().key(), off),
+               profile.field().key(), off),
            off, noticeable});
   });
+  if (!points_.empty())
+    found.push_back({"force at a point",
+                     fmt::format("{} force{} at single nodes: the displacement there grows without limit as "
+                                 "the mesh is refined",
+                                 points_.size(), points_.size() == 1 ? "" : "s"),
+                     static_cast<double>(points_.size()), 0});
   return found;
 }
 
@@ -149,6 +161,8 @@ void SceneLoad::add(const TimeStep& step, NodalForce sum) const {
     add_term(*body_, step, sum.density);
   for (const Term& term : forces_)
     add_term(term, step, sum.vector);
+  for (const auto& point : points_)
+    point->add(step, sum.vector);
 }
 
 } // namespace signorini::step

@@ -3,9 +3,11 @@
 #include "base/error.h"
 #include "fem/operators.h"
 #include "fem/time_profile.h"
+#include "step/point_force.h"
 #include "step/time_grid.h"
 #include <concepts>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,8 +86,8 @@ public:
   [[nodiscard]] virtual Vec y(const TimeStep& step) const = 0;
 };
 
-/// Body force, weight and tractions of a scene, each averaged over a step to the tolerance of
-/// fem::TimeProfile. A load that does not depend on time is evaluated once.
+/// Body force, weight, tractions and forces at points of a scene, each averaged over a step to the tolerance
+/// of fem::TimeProfile. A load that does not depend on time is evaluated once.
 class SceneLoad final : public Load {
 public:
   /// Evaluates the loads that do not depend on time. `M`: mass matrix that gives the weight. If the steps
@@ -94,7 +96,7 @@ public:
   SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
-  [[nodiscard]] bool has_vector() const override { return !forces_.empty(); }
+  [[nodiscard]] bool has_vector() const override { return !forces_.empty() || !points_.empty(); }
   /// Adds the means of all loads over the step to `sum`.
   void add(const TimeStep& step, NodalForce sum) const override;
 
@@ -121,7 +123,7 @@ private:
   [[nodiscard]] Term term(const scene::Components& components, const std::string& key) const;
   static void multiply(const Term& term);
   static void add_term(const Term& term, const TimeStep& step, Vec out);
-  /// Calls visit(term) for the body force, if any, and for all of forces_.
+  /// Calls visit(profile) for each load.
   template <class Visit>
   void for_each(Visit&& visit) const;
 
@@ -129,6 +131,7 @@ private:
   double end_; ///< end of the motion, s
   std::optional<Term> body_;
   std::vector<Term> forces_; ///< gravity and tractions
+  std::vector<std::unique_ptr<const PointForce>> points_;
 };
 
 } // namespace signorini::step

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/parameter_rates.h"
 #include "contact/mass_redistribution.h"
+#include "fem/foundations.h"
 #include "scene/parameters.h"
 #include <algorithm>
 #include <array>
@@ -39,8 +40,16 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
     case poisson:
     case bulk:
     case shear:
+    case alpha:
+    case beta:
     case density:
       add_material(scene::with_values(scene, values), unknown, rate);
+      break;
+    case normal_stiffness:
+    case tangential_stiffness:
+    case normal_damping:
+    case tangential_damping:
+      add_foundation(scene, unknown, rate);
       break;
     case displacement:
     case velocity:
@@ -65,22 +74,63 @@ ParameterRates::~ParameterRates() = default;
 void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknown& unknown,
                                   Rate& rate) const {
   const std::size_t material = scene::material_of(scene, unknown);
+  const scene::Rayleigh rayleigh = scene.materials[material].rayleigh.value_or(scene::Rayleigh{});
   const auto assembled = [&](fem::Form form) {
     return fem::assemble_rate(stepper_.space(), scene.materials, material, form);
   };
+  // B' = absorbing dashpots' + α M' + β A'
+  const auto set_damping = [&](double factor, const petsc::Matrix& elastic_or_mass) {
+    petsc::Matrix absorbing = fem::assemble_absorption_rate(stepper_.space(), scene.foundations,
+                                                            scene.materials, material, unknown.of);
+    if (!absorbing && factor == 0)
+      return;
+    petsc::Matrix B;
+    check(MatDuplicate(elastic_or_mass, MAT_COPY_VALUES, B.put()));
+    check(MatScale(B, factor));
+    if (absorbing)
+      check(MatAXPY(B, 1, absorbing, SUBSET_NONZERO_PATTERN));
+    rate.B = fem::symmetric_half(B);
+  };
   using enum scene::Parameter;
-  if (unknown.of == young || unknown.of == poisson)
-    rate.A = fem::symmetric_half(assembled(unknown.of == young ? fem::Form::a_young : fem::Form::a_poisson));
-  else if (unknown.of == bulk || unknown.of == shear)
-    rate.B = fem::symmetric_half(assembled(unknown.of == bulk ? fem::Form::b_kappa : fem::Form::b_eta));
-  else {
+  switch (unknown.of) {
+  case young:
+  case poisson: {
+    const petsc::Matrix A = assembled(unknown.of == young ? fem::Form::a_young : fem::Form::a_poisson);
+    rate.A = fem::symmetric_half(A);
+    set_damping(rayleigh.beta, A);
+    break;
+  }
+  case bulk:
+    rate.B = fem::symmetric_half(assembled(fem::Form::b_kappa));
+    break;
+  case shear:
+    rate.B = fem::symmetric_half(assembled(fem::Form::b_eta));
+    break;
+  case alpha:
+    rate.B = fem::symmetric_half(assembled(fem::Form::m));
+    break;
+  case beta:
+    rate.B = fem::symmetric_half(assembled(fem::Form::a));
+    break;
+  default: {
     petsc::Matrix M = assembled(fem::Form::m_rho);
+    set_damping(rayleigh.alpha, M);
     if (scene::has_massless_candidates(stepper_.contact_scheme()))
       M = contact::redistributed_mass(stepper_.space(), *stepper_.pairs(),
                                       contact::obstacles_without_mass(scene.contacts), M);
     rate.M = fem::symmetric_half(M);
     add_gravity(scene, rate);
   }
+  }
+}
+
+void ParameterRates::add_foundation(const scene::Scene& scene, const scene::Unknown& unknown,
+                                    Rate& rate) const {
+  using enum scene::Parameter;
+  const bool springs = unknown.of == normal_stiffness || unknown.of == tangential_stiffness,
+             normal = unknown.of == normal_stiffness || unknown.of == normal_damping;
+  (springs ? rate.A : rate.B) = fem::assemble_foundation_rate(stepper_.space(), scene.foundations,
+                                                              scene::foundation_of(scene, unknown), normal);
 }
 
 void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate) const {

@@ -61,6 +61,7 @@ private:
   /// Returns whether the candidates' normals depend on any unknown.
   [[nodiscard]] bool turn() const;
   void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  void add_foundation(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
                     Rate& rate) const;
   void add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;

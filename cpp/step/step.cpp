@@ -19,7 +19,8 @@ long &steps = count("steps"), &linearised_steps = count("linearised steps"),
      &adjoint_steps = count("adjoint steps");
 
 /// Returns the least time in which a pressure wave crosses an element, s, over the elements at contact groups
-/// and at tractions that vary in time; over all elements if body loads vary or the scene has no contact.
+/// and at tractions that vary in time; over all elements if body loads or forces at points vary or the scene
+/// has no contact.
 double wave_time(const fem::Space& space, const scene::Scene& scene) {
   std::vector<fem::Surface> surfaces;
   for (std::size_t i = 0; i < scene.contacts.size(); ++i)
@@ -37,6 +38,8 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
       if (varies(load.tractions[i].value, key + ".value"))
         surfaces.push_back({load.tractions[i].on, key + ".on"});
     }
+    for (std::size_t i = 0; i < load.points.size(); ++i)
+      everywhere = everywhere || varies(load.points[i].value, fmt::format("load.point[{}].value", i));
   }
   if (everywhere)
     surfaces.clear();
@@ -79,6 +82,7 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
                    moving_clamps_.has_value(), [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
+                     operators_.add_surroundings(D, tau);
                      if (redistributed_mass_) {
                        check(MatAXPY(D, -1, mass_blocks_, SUBSET_NONZERO_PATTERN));
                        check(MatAXPY(D, 1, redistributed_blocks_, DIFFERENT_NONZERO_PATTERN));

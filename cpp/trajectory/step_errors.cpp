@@ -33,8 +33,9 @@ std::array<double, 3> distance(const std::array<double, 3>& t) {
 StepErrors::StepErrors(const step::Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), tolerance_(scene.time.tolerance), quantity_(scene.time.quantity),
       crossing_(fem::crossing_time(stepper.space(), scene.materials)),
-      rigid_(stepper.space(), stepper.clamped(), stepper.M()), weights_(fem::diagonal(stepper.M())),
-      difference_(stepper.space().vector()), work_(stepper.space().vector()) {
+      rigid_(stepper.space(), stepper.clamped(), stepper.M(), stepper.operators().surrounded()),
+      weights_(fem::diagonal(stepper.M())), difference_(stepper.space().vector()),
+      work_(stepper.space().vector()) {
   PetscScalar sum = 0;
   check(VecSum(weights_, &sum));
   check(VecScale(weights_, stepper.space().dim() / sum));

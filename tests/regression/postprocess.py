@@ -21,7 +21,8 @@ from signorini.post.obstacles import normals
 from signorini.post.report_contact import along_surface, around_contact, contact_surface, touched
 from signorini.post.report_control import resultant_of
 from signorini.post.report_cut import cut_open
-from signorini.post.run_folder import RunFolder, first_largest, potential_of_loads
+from signorini.post.energy_terms import potential_of_loads
+from signorini.post.run_folder import RunFolder, first_largest
 from signorini.post.scenery import drawn_obstacles
 from signorini.post.surfaces import between
 from soft_scenes import soft

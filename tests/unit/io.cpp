@@ -208,7 +208,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
     const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
       CAPTURE(tracking);
-      std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
+      const io::StepsColumns columns{.tracking = tracking};
+      std::string steps = io::steps_header(dim, columns), contact = contact_table.header();
       diagnostics::Invariants invariants(problem.stepper,
                                          diagnostics::body_figures(problem.stepper, problem.scene));
       diagnostics::Balance weigh(problem.stepper);
@@ -219,10 +220,9 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
                               balance.push_back(weigh(frame));
                               states.push_back(frame.contact);
                               invariants.observe(frame, balance.back());
-                              io::add_steps_row(steps, frame.step.k, frame.step.end, dim, balance.back(),
-                                                invariants, frame.contact, 2.5 * frame.step.k,
-                                                tracking ? std::optional(1.0 / (frame.step.k + 3))
-                                                         : std::nullopt);
+                              io::add_steps_row(steps, columns, frame.step.k, frame.step.end, dim,
+                                                balance.back(), invariants, frame.contact, 2.5 * frame.step.k,
+                                                1.0 / (frame.step.k + 3));
                               contact_table.add_rows(contact, frame.step, frame.contact);
                             });
       const auto rows = cells(steps), candidates = cells(contact);

@@ -19,8 +19,10 @@ double norm(std::span<const double> x) {
 TEST_CASE("the adjoint gradient by parameters is that of linearised motions", "[adjoint]") {
   const std::string scheme = GENERATE("contact.mass=\"consistent\"", "time.scheme=\"contact-stabilized\"",
                                       "contact.mass=\"massless\"");
-  INFO(scheme);
-  const scene::Scene scene = test::parse(test::source("tests/data/parameters.toml"), {scheme});
+  const char* const file =
+      GENERATE(as<const char*>{}, "tests/data/parameters.toml", "tests/data/surroundings.toml");
+  CAPTURE(scheme, file);
+  const scene::Scene scene = test::parse(test::source(file), {scheme});
   Timers timers;
   problem::ParameterProblem problem(test::discretised(scene), scene, timers);
   control::ReducedProblem& reduced = problem.reduced;

@@ -31,6 +31,24 @@ CASES |= {  # cylinders, and round obstacles around the body: once with each sch
     "inside of a ball": (3, '{ shape = "ball", center = [0, 0, 9.8], radius = 25.0, side = "inside" }',
                          [{"of": "center", "component": "y", "start": 0.3}, {"of": "center", "component": "z", "start": 9.7}, INSIDE[2]]),
 }  # fmt: skip
+SURROUNDED = [{"of": "young", "start": 1.05e8}, {"of": "poisson", "start": 0.29}, {"of": "density", "start": 1.02},
+              {"of": "rayleigh.alpha", "start": 110.0}, {"of": "rayleigh.beta", "start": 1.2e-4},
+              {"of": "stiffness.normal", "on": "side", "start": 1.1e6}, {"of": "stiffness.tangential", "on": "side", "start": 0.9e6},
+              {"of": "damping.normal", "on": "side", "start": 1.1e3}, {"of": "damping.tangential", "on": "side", "start": 0.9e3}]  # fmt: skip
+# Springs and dashpots on the sides, an absorbing top, Rayleigh damping.
+SURROUNDINGS = """
+[material.rayleigh]
+alpha = 100.0
+beta = 1e-4
+[[foundation]]
+on = "side"
+stiffness = { normal = 1e6, tangential = 1e6 }
+damping = { normal = 1e3, tangential = 1e3 }
+[[foundation]]
+on = "top"
+absorbing = true
+"""
+CASES |= {"surroundings": (2, half_space(2), SURROUNDED), "surroundings in space": (3, half_space(3), SURROUNDED)}
 SETTINGS = {
     "as it is": ({}, 1),
     "degree 2": ({"mesh__degree": 2}, 1),
@@ -44,7 +62,7 @@ COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as m
 
 def settings(name: str, scheme: str) -> list[str]:
     """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
-    if name != "plane" and (name not in ("ball", "space") or scheme != "contact-stabilized"):
+    if name not in ("plane", "surroundings") and (name not in ("ball", "space") or scheme != "contact-stabilized"):
         return ["as it is"]
     return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
 
@@ -56,7 +74,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], P
     @functools.cache
     def file(name: str, scheme: str) -> Path:
         folder = tmp_path_factory.mktemp("case")
-        (folder / "scene.toml").write_text(thrown(*CASES[name], folder))
+        (folder / "scene.toml").write_text(thrown(*CASES[name], folder) + (SURROUNDINGS if CASES[name][2] is SURROUNDED else ""))
         measure(folder / "scene.toml", folder / "made", SCHEMES[scheme])
         return folder / "scene.toml"
 

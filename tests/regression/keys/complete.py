@@ -19,6 +19,8 @@ FULL = (
     (BLOCK, {
         "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
         "load__traction": [{"on": "top", "value": ["0", "0"]}], "load__gravity": [0, 0],
+        "load__point": [{"at": [1, 1], "value": [0, 0]}], "material__rayleigh": {"alpha": 0.1, "beta": 1e-3},
+        "foundation": [{"on": "top", "stiffness": {"normal": 1.0}, "damping": {"tangential": 1.0}}, {"on": "left", "absorbing": True}],
         "contact": [
             {"on": "bottom", "obstacle": {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}},
             {"on": "bottom", "obstacle": {"shape": "ball", "center": [0, -2], "radius": 1}},

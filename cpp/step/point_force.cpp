@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/point_force.h"
+#include "base/collective.h"
+#include "base/text.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace signorini::step {
+
+namespace {
+
+/// Nodes near a point, on all ranks.
+struct Found {
+  int count = 0;                    ///< number of nodes at the point
+  std::array<double, 4> nearest{};  ///< distance of the nearest node, m, and its coordinates
+  std::optional<std::size_t> own{}; ///< number of the node at the point, on its rank
+};
+
+Found nodes_at(const fem::Space& space, const std::vector<double>& at) {
+  constexpr double rounding = 1e-9; // of the body's diameter
+  const double tolerance = rounding * space.mesh().diameter();
+  Found found{.nearest = {std::numeric_limits<double>::infinity()}};
+  for (std::size_t node = 0; node < space.points().size() / 3; ++node) {
+    const double* x = &space.points()[3 * node];
+    double square = 0;
+    for (std::size_t c = 0; c < at.size(); ++c)
+      square += (x[c] - at[c]) * (x[c] - at[c]);
+    const double distance = std::sqrt(square);
+    if (distance < found.nearest[0])
+      found.nearest = {distance, x[0], x[1], x[2]};
+    if (distance <= tolerance) {
+      ++found.count;
+      found.own = node;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &found.count, 1, MPI_INT, MPI_SUM, space.comm());
+  const std::vector<std::array<double, 4>> nearest = gather(space.comm(), std::vector{found.nearest});
+  found.nearest = *std::ranges::min_element(nearest);
+  return found;
+}
+
+/// Returns the number of the node at `at` on the rank that owns it, nothing on other ranks. Throws UserError
+/// unless there is exactly one.
+std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<double>& at,
+                                   const std::string& key) {
+  const Found found = nodes_at(space, at);
+  const auto text = [&](const double* x) { return point_text(x, space.dim()); };
+  if (found.count == 0)
+    throw UserError(
+        fmt::format("{}.at: found ({}) m, where the mesh has no node; the nearest node is at ({}) "
+                    "m. Put a point of the .geo there",
+                    key, text(at.data()), text(&found.nearest[1])));
+  if (found.count > 1)
+    throw UserError(fmt::format("{}.at: found ({}) m, where the mesh has {} nodes that are not connected; "
+                                "choose a point with one node",
+                                key, text(at.data()), found.count));
+  return found.own;
+}
+
+} // namespace
+
+PointForce::PointForce(const fem::Space& space, const scene::PointForce& force, const std::string& key,
+                       double end)
+    : dim_(static_cast<std::size_t>(space.dim())), point_([&] {
+        const std::optional<std::size_t> node = node_at(space, force.at, key);
+        node_ = node.value_or(0);
+        const auto first = space.points().begin() + static_cast<std::ptrdiff_t>(3 * node_);
+        return node ? std::vector<double>(first, first + 3) : std::vector<double>();
+      }()),
+      profile_(space.comm(), scene::Field(force.value, key + ".value", true), point_, end),
+      value_(dim_ * (point_.size() / 3)) {}
+
+void PointForce::add(const TimeStep& step, Vec sum) const {
+  profile_.mean(step.begin, step.end, value_);
+  const petsc::WriteArray entries(sum);
+  for (std::size_t c = 0; c < value_.size(); ++c)
+    entries[dim_ * node_ + c] += value_[c];
+}
+
+} // namespace signorini::step

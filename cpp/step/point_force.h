@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "fem/time_profile.h"
+#include "step/time_grid.h"
+#include <vector>
+
+namespace signorini::step {
+
+/// Force of a scene on one node, averaged over a step to the tolerance of fem::TimeProfile.
+class PointForce {
+public:
+  /// Finds the node. `key`: name of the table in messages; `end`: end of the motion, s. Collective. `space`
+  /// must outlive this object. Throws UserError unless the mesh has one node at the point, and if a value is
+  /// not finite.
+  PointForce(const fem::Space& space, const scene::PointForce& force, const std::string& key, double end);
+  PointForce(const PointForce&) = delete; // profile_ refers to point_
+  PointForce& operator=(const PointForce&) = delete;
+
+  [[nodiscard]] const fem::TimeProfile& profile() const { return profile_; }
+  /// Adds the mean force over the step, N (in the plane N/m), to `sum`. Collective.
+  void add(const TimeStep& step, Vec sum) const;
+
+private:
+  std::size_t dim_;
+  std::size_t node_ = 0;      ///< local number of the node on the rank that owns it
+  std::vector<double> point_; ///< the node's coordinates on that rank, else empty
+  fem::TimeProfile profile_;
+  mutable std::vector<double> value_;
+};
+
+} // namespace signorini::step

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The terms of the energy account over the steps of a run; J, in the plane J/m."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+Columns = Mapping[str, np.ndarray]
+DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation")
+
+
+def stored_energy(steps: Columns) -> np.ndarray:
+    """Returns the kinetic and elastic energy at every time step, foundations included."""
+    return steps["kinetic_energy"] + steps["elastic_energy"] + steps.get("foundation_energy", 0.0)
+
+
+def dissipated_so_far(steps: Columns) -> np.ndarray:
+    """Returns the energy dissipated until every time step by viscosity, by dashpots of foundations and by mass damping."""
+    return np.cumsum(sum(steps[name] for name in DISSIPATION if name in steps))
+
+
+def potential_of_loads(steps: Columns) -> np.ndarray | None:
+    """Returns the potential energy of the scene's loads at every time step, 0 at its least; None if they do no work or the run did
+    not write it."""
+    work = np.cumsum(steps.get("load_work", 0.0))
+    return work.max() - work if np.any(work) else None
