@@ -115,9 +115,9 @@ public:
   /// Collective.
   [[nodiscard]] std::vector<double> weighted_squares(Vec diagonal) const;
 
-  /// Computes multipliers λ of first rows with Hλ = x at the clusters of `set`, and sets all others to zero.
-  /// x must be in the range of these columns of H. Among linearly dependent rows the first ones get the
-  /// force. Collective.
+  /// Computes the multipliers λ of the first rows of the groups in `set` (ascending), so that Hλ = x at the
+  /// dofs of their clusters; all other multipliers become zero. There x must be a combination of these rows'
+  /// forces. Among linearly dependent rows, those that come first in `set` get the force. Collective.
   void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
   /// Changes unclamped dofs of x as little as possible (Euclidean norm) so that Hᵀx = `value` on `set`. Among
   /// linearly dependent rows, only the first independent ones are satisfied. Collective.

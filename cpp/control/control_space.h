@@ -234,7 +234,7 @@ private:
   mutable std::pair<double, double> of_{0, 0}; ///< begin and end of that interval, s
 };
 
-/// Time steps in which a control's force acts: the steps of its ControlSpace, or others.
+/// Time grid on which a control's force acts: that for which its ControlSpace was made, or another one.
 enum class ForceSteps { of_control, others };
 
 /// Force s u_k of a control on the body, as a load.

@@ -116,7 +116,8 @@ private:
   /// a wave takes to cross the body and return. If `restitution_possible` (no_restitution_reason() is empty),
   /// they also do if the first rebound does not turn the body away from the obstacle.
   [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool restitution_possible) const;
-  /// Returns the coefficient of restitution −(after·n)/(before·n). Returns nothing unless the body moves
+  /// Returns the coefficient of restitution −(after·n)/(before·n), where n is the impulse of `rebound` with
+  /// zeros in clamped components. Returns nothing unless the body moves
   /// towards the obstacle before the rebound, and away from it afterwards.
   [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
   /// Returns the scalar product of a velocity and an impulse over the components without clamps.

@@ -69,6 +69,8 @@ template <class Dashpots>
 void add_absorbing(const Space& space, const std::vector<scene::Foundation>& foundations,
                    const std::vector<scene::Material>& materials, const Dashpots& dashpots,
                    std::vector<Springs>& all) {
+  if (std::ranges::none_of(foundations, &scene::Foundation::absorbing))
+    return;
   const std::vector<Part> body = parts(space.mesh(), materials);
   for (std::size_t i = 0; i < foundations.size(); ++i) {
     if (!foundations[i].absorbing)

@@ -10,7 +10,7 @@ namespace signorini::fem {
 using Function = dolfinx::fem::Function<double>;
 
 /// Sets a function's values from the values at the dofs that this rank owns, and updates ghosts. Values of
-/// virtual nodes, which follow in `owned`, are ignored. Collective.
+/// virtual nodes (VirtualNode), which follow those of the mesh's nodes, are ignored. Collective.
 inline void set(Function& to, std::span<const double> owned) {
   const auto own = static_cast<std::size_t>(to.function_space()->dofmap()->index_map->size_local() *
                                             to.function_space()->dofmap()->index_map_bs());

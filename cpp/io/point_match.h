@@ -13,9 +13,9 @@ namespace signorini::io {
 /// the number of ranks. Collective.
 std::vector<double> distinct_points(const fem::Space& space);
 
-/// Separates coincident points among the vertices `points` (n × dim) of a mesh read from a file, as
-/// distinct_points() does. `cells`: the cells of that mesh, dim + 1 vertices each. Returns false if points
-/// coincide but `cells` is invalid. Not collective.
+/// Moves coincident points among `points` (n × dim), the vertices of a mesh read from a file, slightly into
+/// their cells, as distinct_points() does for nodes. `cells`: the cells of that mesh, dim + 1 vertices each.
+/// Returns false if points coincide but `cells` is invalid. Not collective.
 bool separate(std::vector<double>& points, const std::vector<std::int64_t>& cells, const fem::Space& space);
 
 /// Finds for each point in `here` (places × 3, on this rank) the number of the same point in `there` (points

@@ -163,8 +163,8 @@ private:
   }
 
   /// Returns the certificate with these weights of the cuts if newly evaluated gradients confirm it.
-  /// Otherwise these gradients become the cuts of a new model. With bounds, only those values remain blocked
-  /// that the negative of the gradients' combination pushes out of the bounds.
+  /// Otherwise these gradients become the cuts of a new model. If there are bounds, a value then remains
+  /// blocked only if a step along −Σ wᵢ gᵢ, by these gradients and weights, would take it out of its bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
                                                const std::vector<double>& weights, double tolerance) {
     std::vector<Cut> gathered_anew; // in full, including blocked values

@@ -35,8 +35,8 @@ public:
   /// false.
   [[nodiscard]] Interval operator()(const Box& box) const;
   /// Times (s), unsorted, at which the expression may have a jump or a kink, because two compared parts of it
-  /// are equal: operands of a comparison, arguments of a function such as max, or the argument of abs or sign
-  /// and 0. Only parts that are linear functions of t alone count.
+  /// are equal: the operands of a comparison, the arguments of a function such as max, or 0 and the argument
+  /// of abs or sign. Only parts that are linear functions of t alone count.
   [[nodiscard]] const std::vector<double>& knots() const { return knots_; }
 
 private:

@@ -20,7 +20,7 @@ const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
       {"friction",
        "contact forces act along the normal alone",
-       {"friction", "frictional", "mu", "coulomb", "tresca", "tangential", "stick", "slip"},
+       {"friction", "frictional", "mu", "coulomb", "tresca", "stick", "slip"},
        {"contact.obstacle.surface_velocity"}},
       {"contact between bodies",
        "a scene has one deformable body, obstacles are rigid",

@@ -85,7 +85,7 @@ ContactScheme Scene::contact_scheme() const {
 void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", whose projection needs the "
-                    "mass of contact nodes; set it to \"consistent\"");
+                    "mass of contact nodes; set mass to \"consistent\"");
 }
 
 void require_rules(Reader& in, Control& control, const Scene& scene) {

@@ -44,7 +44,8 @@ public:
   /// false and leaves `c` unchanged if c_kj is zero.
   bool constraint(std::size_t j, std::span<double> c);
 
-  /// Sets `r` to r_kj and `e` to e_kj (rows, m), the sources of the projected predictor for unknown j.
+  /// Sets `r` to r_kj and `e` (one entry for each row, m) to e_kj, the right-hand sides by which unknown j
+  /// changes the projection of the predictor.
   /// Returns false and leaves both unchanged if Z_k is empty or both are zero.
   bool predictor(std::size_t j, Vec r, std::span<double> e);
 

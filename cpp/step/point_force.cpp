@@ -49,12 +49,11 @@ std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<do
   const Found found = nodes_at(space, at);
   const auto text = [&](const double* x) { return point_text(x, space.dim()); };
   if (found.count == 0)
-    throw UserError(
-        fmt::format("{}.at: found ({}) m, where the mesh has no node; the nearest node is at ({}) "
-                    "m. Put a point of the .geo there",
-                    key, text(at.data()), text(&found.nearest[1])));
+    throw UserError(fmt::format("{}.at: found {} m, where the mesh has no node; the nearest node is at {} m. "
+                                "Put a point of the .geo there",
+                                key, text(at.data()), text(&found.nearest[1])));
   if (found.count > 1)
-    throw UserError(fmt::format("{}.at: found ({}) m, where the mesh has {} nodes that are not connected; "
+    throw UserError(fmt::format("{}.at: found {} m, where the mesh has {} nodes that are not connected; "
                                 "choose a point with one node",
                                 key, text(at.data()), found.count));
   return found.own;

@@ -64,7 +64,7 @@ struct StepOutput {
 };
 
 /// Data of a linearised step k, which leads from the state (δy, δv) at t_{k−1} to the state at t_k. `load` is
-/// the change of the force in the step. The active set is passed separately.
+/// δf_k, the linearised change of step k's force. The active set is passed separately.
 struct LinearisedStep {
   Scheme scheme;
   const State& from;

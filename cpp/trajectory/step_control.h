@@ -34,7 +34,8 @@ public:
   [[nodiscard]] const StepErrors& errors() const { return errors_; }
 
 private:
-  /// Returns the level with which the step is to be repeated, or the step's level if it is accurate enough.
+  /// Returns the level (StepLengths) at which the step must be repeated, or its own level if it is accurate
+  /// enough.
   [[nodiscard]] int judged(const Frame& frame);
   /// Returns the limit of the estimated error of a step of length `tau` (s), in the unit of
   /// StepErrors::Step::error. Infinite where vibration need not be resolved.

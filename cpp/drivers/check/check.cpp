@@ -87,7 +87,7 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
                     "in at least one step", contact->projected > 0});
   if (contact->steps == 0)
     return;
-  rows.push_back(below(pairs->moving() ? "contact work less the obstacles' work / largest energy"
+  rows.push_back(below(pairs->moving() ? "largest contact work without obstacles' motion / energy"
                                        : "largest work of contact in a step / largest energy",
                        contact->work / energy, tolerance));
 }

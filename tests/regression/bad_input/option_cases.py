@@ -82,7 +82,7 @@ def method_cases() -> list[Case]:
     return [
         edited("unknown scheme", "[material]", 'scheme = "contact-stable"\n[material]', "time.scheme: ",
                '"contact-stable"', 'did you mean "contact-stabilized"', "contact-implicit"),
-        Case("massless and stabilized", ('contact.mass: found "massless"', '"contact-stabilized"', 'set it to "consistent"'), edits=(
+        Case("massless and stabilized", ('contact.mass: found "massless"', '"contact-stabilized"', 'set mass to "consistent"'), edits=(
             ("[material]", 'scheme = "contact-stabilized"\n[material]'), ("[load]", 'mass = "massless"\n[load]')), at="mass ="),
         edited("unknown mass of contact", "[load]", 'mass = "lumped"\n[load]', 'contact.mass: found "lumped"',
                "consistent, massless"),

@@ -123,6 +123,7 @@ def rows(markdown: str) -> list[tuple[str, str, str]]:
 def default(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp("default")
     return simulate_in(folder, edited(folder / "default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}],
+                       foundation=[{"on": "top", "stiffness": {}, "damping": {}}], material__rayleigh={},
                        initial__velocity=["0", "0"], contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
                        measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
 
@@ -164,7 +165,7 @@ def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, c
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
             own = chosen if name in ("time.tolerance", "time.quantity") else default
-            echoed = get(own.echo, re.sub("^(clamp|measurement)", r"\1.0", name).split("."))
+            echoed = get(own.echo, re.sub("^(clamp|measurement|foundation)", r"\1.0", name).split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}"
             confirmed += 1
     assert confirmed > 20
