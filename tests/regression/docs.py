@@ -64,6 +64,7 @@ SHORT = sets(mesh__size=4, time__step=2.5e-4)
 RUNS = {
     "measured": ("simulate", "joint.toml", "--measure"),
     "block": ("simulate", BLOCK, *FIELDS),
+    "supported": ("simulate", BLOCK, *sets(material__rayleigh="{alpha=1.0}", foundation='[{on="top", damping={normal=1.0}}]')),
     "disc": ("simulate", DISC, *SHORT, *FIELDS, *probes("top", "[0, -5]")),
     "ball": ("simulate", BALL, *SHORT, *FIELDS, *probes("top", "[0, 0, -5]")),
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),

@@ -179,7 +179,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
     }
     contact::ContactState inside = state(i, 0, -0.1);
     CHECK_THROWS_WITH(complementarity.classify(inside, still),
-                      Catch::Matchers::ContainsSubstring("Penetration 1.000e-01 m"));
+                      Catch::Matchers::ContainsSubstring("largest penetration is 1.000e-01 m"));
     for (const auto& [force, gap] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
       CAPTURE(force, gap);
       contact::ContactState s = state(i, force, gap);
