@@ -66,5 +66,5 @@ def test_force_at_a_point(at: list[float], simulate: Runner) -> None:
     done = simulate(load__point=[{"at": at, "value": ["0.3", "2*t"]}], **FREE)
     near(done.momentum(), [0.3 * T, T**2])
     moved = np.linalg.norm(done.field("displacement")[1], axis=1)
-    near(done.points[np.argmax(moved)][:2], at)  # the loaded node moves most at first
+    near(done.points[np.argmax(moved)][:2], at, 1e-9)  # as gmsh rounds; the loaded node moves most at first
     assert any(warning["name"] == "force at a point" for warning in done.manifest["warnings"])
