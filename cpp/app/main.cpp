@@ -39,7 +39,7 @@ constexpr Verb verbs[] = {
     {"check", "verify derivatives and discrete invariants of a scene"},
     {"study", "compare errors and run times over a ladder of sizes, steps, degrees and schemes"},
     {"info", "list the model's effects (such as viscosity) with their costs, and the run's size and memory; "
-             "--time N also estimates its run time from N steps"},
+             "--time N estimates its time from N steps"},
     {"keys", "list all keys of a scene with values, units, limits, defaults and meanings"},
     {"completion", "print a script for bash that completes verbs, options and keys"}};
 

@@ -125,8 +125,9 @@ Keys<Foundation> keys_of(Of<Foundation>) {
       inline_table("stiffness", &Foundation::stiffness, {}),
       inline_table("damping", &Foundation::damping, {}),
       value("absorbing", &Foundation::absorbing, Flag{}, "",
-            "`true`: dashpots that absorb plane waves which arrive along the normal: `density` times the "
-            "speed of pressure waves along the normal, of shear waves across it; in place of `damping`")};
+            "`true`, in place of `damping`: dashpots that absorb plane waves arriving along the normal. "
+            "Along the "
+            "normal they are `density` times the speed of pressure waves, across it of shear waves")};
 }
 
 Keys<Clamp> keys_of(Of<Clamp>) {
