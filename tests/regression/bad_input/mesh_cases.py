@@ -197,7 +197,7 @@ def space_cases() -> list[Case]:
         solid("quadrilaterals for a side", cube2(elements=[*no_bottom, (QUADRILATERAL, BOTTOM, BOTTOM, (1, 2, 4, 3))]),
               "contact.on: ", "Quadrilateral", "straight triangles"),
         solid("face of no tetrahedron", cube2(elements=[*no_bottom, (TRIANGLE, BOTTOM, BOTTOM, (1, 2, 3))]),
-              "the face at (-0.5, -0.5, 0)", '"bottom"', "the face of no tetrahedron"),
+              "the face at (-0.5, -0.5, 0)", '"bottom"', "the face at (-0.5, -0.5, 0), which belongs to no tetrahedron"),
         solid("face with a node that is missing", cube2(elements=with_space_element((TRIANGLE, TOP, TOP, (5, 6, 77)))),
               "77"),
         solid("face with a node of no tetrahedron", cube2(points=[*cube_points(), beyond], elements=with_space_element(
