@@ -106,8 +106,10 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
 void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
   const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start,
                end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end;
-  std::string text =
-      fmt::format("energy, kinetic and elastic: {:.4g} {} at the start", start, per_depth("J", dim));
+  std::string text = fmt::format(
+      "energy, kinetic and elastic{}: {:.4g} {} at the start",
+      energy.foundation_at_start + energy.foundation_at_end > 0 ? ", with that of foundations" : "", start,
+      per_depth("J", dim));
   constexpr double rounding = 1e-12;
   const double largest =
       std::max({start, std::abs(energy.load_work), std::abs(energy.other_work), std::abs(energy.contact_work),

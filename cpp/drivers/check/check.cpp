@@ -88,7 +88,7 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
   if (contact->steps == 0)
     return;
   rows.push_back(below(pairs->moving() ? "largest contact work without obstacles' motion / energy"
-                                       : "largest work of contact in a step / largest energy",
+                                       : "largest positive contact work in a step / largest energy",
                        contact->work / energy, tolerance));
 }
 
