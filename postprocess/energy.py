@@ -28,7 +28,7 @@ def draw(run: RunFolder) -> list[Path]:
     axes.plot(times, kinetic * factor, color=style.BLUE, label="kinetic")
     axes.plot(times, elastic * factor, color=style.ORANGE, linestyle="--", label="elastic")
     if foundation is not None:
-        axes.plot(times, foundation * factor, color=style.PURPLE, linestyle=(0, (3, 1, 1, 1)), label="foundations")
+        axes.plot(times, foundation * factor, color=style.SKY, linestyle=(0, (3, 1, 1, 1)), label="foundations")
     if potential is not None:
         axes.plot(times, potential * factor, color=style.GREEN, linestyle=":", label="potential")
     axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and foundation is None else "sum of these")

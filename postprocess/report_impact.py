@@ -78,5 +78,6 @@ def energy_account(run: RunFolder) -> list[Table]:
              "Dissipated by mass damping": -given.get("drag_dissipation", 0), "Springs of foundations at the end": -foundation[1],
              "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
     factor, unit = prefixed(np.array(list(terms.values())), unit)
-    rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value or name.startswith("Kinetic")]
+    rounding = 1e-12 * max(abs(value) for value in terms.values())
+    rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if abs(value) > rounding or name.startswith("Kinetic")]
     return [Table("Energy account: the last line is the sum of the lines above", ["Energy", unit], rows)]

@@ -153,7 +153,7 @@ def energies(run: RunFolder) -> Chart:
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
     note = ""
     if foundation is not None:
-        curves.append(line("foundations", times, foundation * factor, "#56B4E9", "longdashdot"))
+        curves.append(line("foundations", times, foundation * factor, style.SKY, "longdashdot"))
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
         note = "The potential of the loads falls by the work of the loads; its least value is set to 0."

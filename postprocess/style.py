@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
 # Okabe and Ito's palette: distinct with every kind of colour vision.
-BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
+BLUE, VERMILION, GREEN, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9"
 GREY, PALE = "0.55", "0.92"
 MARK = "signorini report"  # in all pictures of a run, which the next run in its folder removes
 FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print

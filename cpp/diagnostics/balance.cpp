@@ -76,7 +76,8 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.load_work = sums.load;
   now.foundation_dissipation = tau * sums.dashpots;
   now.drag_dissipation = tau * sums.drag;
-  now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
+  if (stepper_.operators().viscous)
+    now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
   now.external_work = sums.load;
   now.contact_work = sums.contact;
   // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −

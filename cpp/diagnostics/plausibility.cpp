@@ -156,6 +156,13 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
                      "others",
                      parts),
          static_cast<double>(parts), 1});
+  if (const std::size_t points = scene_.load ? scene_.load->points.size() : 0; points > 0)
+    warnings.push_back(
+        {"force at a point",
+         fmt::format("{} force{} at single nodes: the displacement there grows without limit as "
+                     "the mesh is refined",
+                     points, points == 1 ? "" : "s"),
+         static_cast<double>(points), 0});
   for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
     const std::string key = scene::contact_key(scene_.contacts, i), &group = scene_.contacts[i].on;
     const auto add = [&](const char* name, std::int64_t facets, const char* what) {

@@ -196,7 +196,8 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
   const petsc::Matrix A = assemble(space, Form::a, body, no_tau, MATBAIJ);
   add_part(A, 1, operators.foundation_A);
   operators.A = symmetric_half(A);
-  if (std::ranges::any_of(materials, &scene::Material::viscous) || operators.foundation_B || operators.drag) {
+  operators.viscous = std::ranges::any_of(materials, &scene::Material::viscous);
+  if (operators.viscous || operators.foundation_B || operators.drag) {
     const petsc::Matrix B = assemble(space, Form::b, body, no_tau, MATBAIJ);
     add_part(B, 1, operators.foundation_B);
     add_part(B, 1, operators.drag);

@@ -50,6 +50,8 @@ struct Operators {
   petsc::Matrix foundation_B; ///< dashpots of foundations, in B
   petsc::Matrix drag;         ///< mass-proportional damping Σ α M, in B
 
+  bool viscous = false; ///< whether B has the form b of a material
+
   /// Whether forces of the surroundings depend on the body's motion, so that no rigid motion is free.
   [[nodiscard]] bool surrounded() const { return foundation_A || foundation_B || drag; }
   /// Adds the terms of the surroundings to a step operator D for the time step `tau`, s: drag, dashpots and

@@ -92,9 +92,7 @@ std::vector<petsc::Vector> unclamped(std::vector<petsc::Vector> motions, const D
 
 } // namespace
 
-RigidMotions::RigidMotions(const Space& space, const DirichletDofs& clamped, Mat M, bool surrounded) {
-  if (surrounded)
-    return;
+RigidMotions::RigidMotions(const Space& space, const DirichletDofs& clamped, Mat M) {
   const ConnectedParts parts = connected_parts(space);
   for (int part = 0; parts.count <= most_parts && part < parts.count; ++part)
     for (petsc::Vector& motion : unclamped(motions_of(space, parts.of_node, part), clamped, space.comm())) {

@@ -6,13 +6,11 @@
 namespace signorini::fem {
 
 /// Basis of the rigid motions (translations and infinitesimal rotations) that no clamp resists, separately
-/// for each connected part of the mesh. The basis is orthonormal in the inner product of the mass matrix. It
-/// is empty if the surroundings act on the body by foundations or drag, since then no motion is free.
+/// for each connected part of the mesh. The basis is orthonormal in the inner product of the mass matrix.
 class RigidMotions {
 public:
-  /// Computes the basis. It is empty if the mesh has more than 16 connected parts. `surrounded`:
-  /// Operators::surrounded(). Collective. `M` must outlive this object.
-  RigidMotions(const Space& space, const DirichletDofs& clamped, Mat M, bool surrounded);
+  /// Computes the basis. It is empty if the mesh has more than 16 connected parts. Collective.
+  RigidMotions(const Space& space, const DirichletDofs& clamped, Mat M);
 
   [[nodiscard]] std::size_t count() const { return basis_.size(); }
   [[nodiscard]] const std::vector<petsc::Vector>& basis() const { return basis_; }

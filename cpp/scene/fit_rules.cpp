@@ -87,6 +87,11 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
     const Foundation& foundation = scene.foundations[foundation_of(scene, unknown)];
     const bool stiff =
         unknown.of == Parameter::normal_stiffness || unknown.of == Parameter::tangential_stiffness;
+    if (!stiff && foundation.absorbing)
+      in.fail("of",
+              fmt::format("found \"{}\" of an absorbing foundation, whose dashpots follow from the material; "
+                          "fit the material, or replace absorbing by damping",
+                          of));
     if (stiff ? !foundation.stiffness : !foundation.damping)
       in.fail("of", fmt::format("found \"{}\" of a foundation without {}; give the foundation this table", of,
                                 stiff ? "stiffness" : "damping"));

@@ -17,7 +17,9 @@ std::string unit(const Unknown& unknown);
 Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
-constexpr bool of_foundation(Parameter of) { return of >= Parameter::normal_stiffness; }
+constexpr bool of_foundation(Parameter of) {
+  return of >= Parameter::normal_stiffness && of <= Parameter::tangential_damping;
+}
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
 
 /// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these

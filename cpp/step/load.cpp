@@ -140,12 +140,6 @@ std::vector<Warning> SceneLoad::warnings() const {
                profile.field().key(), off),
            off, noticeable});
   });
-  if (!points_.empty())
-    found.push_back({"force at a point",
-                     fmt::format("{} force{} at single nodes: the displacement there grows without limit as "
-                                 "the mesh is refined",
-                                 points_.size(), points_.size() == 1 ? "" : "s"),
-                     static_cast<double>(points_.size()), 0});
   return found;
 }
 

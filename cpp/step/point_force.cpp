@@ -20,8 +20,8 @@ struct Found {
 };
 
 Found nodes_at(const fem::Space& space, const std::vector<double>& at) {
-  constexpr double rounding = 1e-9; // of the body's diameter
-  const double tolerance = rounding * space.mesh().diameter();
+  constexpr double digits = 1e-6; // of the body's diameter, as coordinates are written
+  const double tolerance = digits * space.mesh().diameter();
   Found found{.nearest = {std::numeric_limits<double>::infinity()}};
   for (std::size_t node = 0; node < space.points().size() / 3; ++node) {
     const double* x = &space.points()[3 * node];

@@ -157,8 +157,8 @@ class RigidFlight {
 public:
   RigidFlight(const step::Stepper& stepper, const scene::Scene& scene, int intervals)
       : stepper_(stepper), grid_(stepper.end() / intervals, intervals),
-        rigid_(stepper.space(), stepper.clamped(), stepper.M(), stepper.operators().surrounded()),
-        rows_(stepper.pairs()->rows()), force_(stepper.space().vector()) {
+        rigid_(stepper.space(), stepper.clamped(), stepper.M()), rows_(stepper.pairs()->rows()),
+        force_(stepper.space().vector()) {
     const auto m = static_cast<std::size_t>(stepper.pairs()->count());
     for (const petsc::Vector& motion : rigid_.basis())
       rows_.apply_transpose(motion, motions_.emplace_back(m));
@@ -269,17 +269,17 @@ std::vector<FirstTouch> first_touches(const step::Stepper& stepper, const scene:
 
 std::vector<std::string> first_touch_lines(const step::Stepper& stepper, const scene::Scene& scene) {
   const std::vector<FirstTouch> all = first_touches(stepper, scene);
-  const char* const without = scene.control ? ", without the control" : "";
+  const bool surrounded = stepper.operators().surrounded();
+  const char* const without = scene.control && surrounded ? ", without control, foundations and mass damping"
+                              : scene.control             ? ", without the control"
+                              : surrounded                ? ", without foundations and mass damping"
+                                                          : "";
   std::vector<std::string> lines;
   for (std::size_t o = 0; o < all.size(); ++o) {
     const FirstTouch& one = all[o];
     std::string text = fmt::format("first touch of \"{}\": ", scene.contacts[o].name);
     if (!one.flies)
-      text += fmt::format("{}; gap {:.4g} m",
-                          stepper.operators().surrounded()
-                              ? "not by a free flight, since foundations or mass damping act on the body"
-                              : "only by deformation, since clamps hold the body",
-                          one.gap);
+      text += fmt::format("only by deformation, since clamps hold the body; gap {:.4g} m", one.gap);
     else if (one.time == 0)
       text += "at the start";
     else if (one.occurs())

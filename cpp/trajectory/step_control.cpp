@@ -65,7 +65,8 @@ void StepControl::start(Vec y, Vec v, const step::ForceAtStep& load) {
     rigid.subtract(rigid.coefficients(x), difference_);
     return errors_.size(difference_) <= undeformed * size;
   };
-  strained_ = !is_rigid(y) || !is_rigid(v) || load.variation(0, stepper_.end()) > 0;
+  const bool surrounded = stepper_.operators().surrounded(); // rigid motions then do not persist
+  strained_ = surrounded || !is_rigid(y) || !is_rigid(v) || load.variation(0, stepper_.end()) > 0;
   if (!strained_) {
     const double tau = stepper_.step_lengths()->shortest_step();
     assemble(load.at({1, 0, tau, tau}), stepper_.operators(), difference_);
@@ -82,14 +83,16 @@ void StepControl::start(Vec y, Vec v, const step::ForceAtStep& load) {
 }
 
 double StepControl::limit(double tau) const {
-  const double each = std::pow(tolerance_, 1.5) * errors_.scale(); // e ∼ τ³, the error of all steps ∼ τ²
+  const double part = std::pow(tolerance_, 1.5); // e ∼ τ³, the error of all steps ∼ τ²
   if (errors_.contact())
-    return each;
+    return part * errors_.scale();
   if (ignores_vibration())
     return std::numeric_limits<double>::infinity();
   const double until = approach_.all_candidates_movable() ? until_touch_ : errors_.closing(),
                flight = time_ - errors_.last_contact().end + std::min(until, stepper_.end() - time_);
-  return std::min(each, tolerance_ * tau / (2 * flight) * errors_.scale()); // phases add up
+  const double scale =
+      stepper_.operators().surrounded() ? std::max(errors_.scale(), errors_.travel()) : errors_.scale();
+  return std::min(part, tolerance_ * tau / (2 * flight)) * scale; // phases add up
 }
 
 bool StepControl::ignores_vibration() const {
@@ -97,7 +100,7 @@ bool StepControl::ignores_vibration() const {
     return true;
   return quantity_ == scene::StepQuantity::contact_force && stepper_.pairs() &&
          approach_.all_candidates_movable() && std::isinf(until_touch_) &&
-         !(load_->variation(time_, stepper_.end()) > 0);
+         !stepper_.operators().surrounded() && !(load_->variation(time_, stepper_.end()) > 0);
 }
 
 int StepControl::judged(const Frame& frame) {

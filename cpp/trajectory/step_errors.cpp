@@ -33,9 +33,8 @@ std::array<double, 3> distance(const std::array<double, 3>& t) {
 StepErrors::StepErrors(const step::Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), tolerance_(scene.time.tolerance), quantity_(scene.time.quantity),
       crossing_(fem::crossing_time(stepper.space(), scene.materials)),
-      rigid_(stepper.space(), stepper.clamped(), stepper.M(), stepper.operators().surrounded()),
-      weights_(fem::diagonal(stepper.M())), difference_(stepper.space().vector()),
-      work_(stepper.space().vector()) {
+      rigid_(stepper.space(), stepper.clamped(), stepper.M()), weights_(fem::diagonal(stepper.M())),
+      difference_(stepper.space().vector()), work_(stepper.space().vector()) {
   PetscScalar sum = 0;
   check(VecSum(weights_, &sum));
   check(VecScale(weights_, stepper.space().dim() / sum));
@@ -77,7 +76,7 @@ void StepErrors::start(Vec y, Vec v) {
   vibration_ = {};
   flight_ = {};
   forces_of_two_ = {};
-  last_force_ = last_length_ = contact_error_ = scale_ = drift_ = 0;
+  last_force_ = last_length_ = contact_error_ = scale_ = travel_ = drift_ = 0;
   if (const contact::ContactPairs* pairs = stepper_.pairs())
     pairs->rows().gap(pairs->psi(0, *psi_), y, gaps_);
 }
@@ -240,6 +239,7 @@ void StepErrors::take_deformation(const Frame& frame) {
     for (std::size_t i = 0; i < gaps_.size(); ++i) {
       const auto o = static_cast<std::size_t>(pairs->obstacles()[i]);
       double along = psi[i] - frame.contact.gap[i];
+      travel_ = std::max(travel_, std::abs(along));
       for (std::size_t j = 0; j < k; ++j)
         along -= rigid_state_.position[j] * normal_[i * k + j];
       reach_[o] = std::max(reach_[o], std::abs(along));
@@ -253,8 +253,10 @@ void StepErrors::take_deformation(const Frame& frame) {
     const double deformed = norm(difference_), tau = frame.step.tau;
     flight_.time += tau;
     flight_.squares += tau * deformed * deformed;
-    if (!pairs || quantity_ == scene::StepQuantity::energy)
+    if (!pairs || quantity_ == scene::StepQuantity::energy) {
       most = deformed;
+      travel_ = std::max(travel_, norm(frame.after.y()));
+    }
   }
   scale_ = std::max(scale_, most);
 }

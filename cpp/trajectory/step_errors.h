@@ -49,6 +49,9 @@ public:
   /// candidates it is the largest root mean square of the deformation, m. With time.quantity = "energy" it is
   /// the root of twice the largest elastic energy, in √J (J: joule).
   [[nodiscard]] double scale() const { return scale_; }
+  /// Returns the same of the whole displacement, rigid motion included: the scale of errors on springs or
+  /// with drag outside of contact, where the rigid motion is not exact.
+  [[nodiscard]] double travel() const { return travel_; }
   /// Returns the error e of steps of length τ from the third difference of four displacements at
   /// intervals of τ. `y`: a displacement, for the size of rounding. Collective.
   double error_of(Vec third_difference, Vec y);
@@ -153,6 +156,7 @@ private:
   std::vector<double> reach_, deformation_rate_;
   std::vector<double> deformed_; ///< deformation along ν, after the last accepted step (m)
   double scale_ = 0;
+  double travel_ = 0; ///< see travel()
   struct Flight {
     double time = 0, squares = 0, error = 0; ///< duration so far, s; ∫ ‖deformation‖² dt; sum of errors e
   } flight_;

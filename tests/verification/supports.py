@@ -100,3 +100,17 @@ def test_reflected_energy_falls_with_the_mesh(tmp_path: Path) -> None:
     orders = np.log2(np.array(left[:-1]) / left[1:])
     print("reflected", ", ".join(f"{one:.1e}" for one in left), "orders", orders)
     assert left[-1] < 5e-4 and np.all(orders > 1.3)
+
+
+@pytest.mark.parametrize("name, more", (
+    ("springs", {}),
+    ("drag", {"foundation": [], "material__rayleigh": {"alpha": 1.0}}),
+), ids=("springs", "drag"))  # fmt: skip
+def test_steps_of_varying_length(tmp_path: Path, name: str, more: dict) -> None:
+    """They follow the motion on springs or with drag to their tolerance, by fewer steps than the shortest ones would be."""
+    fine = motion(tmp_path, BLOCK, time__step=1e-3, material__young=1e5, **more)["kinetic_energy"][-1]
+    steps = motion(tmp_path, BLOCK, time={"end": 2.0, "step": "auto", "tolerance": 1e-2}, material__young=1e5, **more)
+    lengths = np.diff(steps["time"])
+    print(f"{name}: {len(lengths)} steps of {lengths.min():.1e} to {lengths.max():.1e} s")
+    assert abs(steps["kinetic_energy"][-1] - fine) < 2e-2 * 0.5
+    assert len(lengths) < 2.0 / lengths.min() / 2
