@@ -160,6 +160,13 @@ def pressure(run: RunFolder) -> np.ndarray:
     return found
 
 
+def term(run: RunFolder, name: str) -> np.ndarray:
+    """Returns a column that only runs with its effect have."""
+    if name not in run.steps:
+        raise NotInRun(f"the run has no {name}")
+    return run.steps[name]
+
+
 def step(run: RunFolder) -> np.ndarray:
     return np.diff(run.steps["time"])
 
@@ -189,9 +196,9 @@ MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], st
     "Kinetic energy at the end": (lambda run: run.steps["kinetic_energy"][-1], depth("J")),
     "Elastic energy at the end": (lambda run: run.steps["elastic_energy"][-1], depth("J")),
     "Dissipated by viscosity": (lambda run: run.steps["viscous_dissipation"].sum(), depth("J")),
-    "Largest energy in foundations": (lambda run: run.steps["foundation_energy"].max(), depth("J")),
-    "Dissipated by dashpots of foundations": (lambda run: run.steps["foundation_dissipation"].sum(), depth("J")),
-    "Dissipated by mass damping": (lambda run: run.steps["drag_dissipation"].sum(), depth("J")),
+    "Largest energy in foundations": (lambda run: term(run, "foundation_energy").max(), depth("J")),
+    "Dissipated by dashpots of foundations": (lambda run: term(run, "foundation_dissipation").sum(), depth("J")),
+    "Dissipated by mass damping": (lambda run: term(run, "drag_dissipation").sum(), depth("J")),
     "Work of contact": (lambda run: run.steps["contact_work"].sum(), depth("J")),
     "Unknowns": (lambda run: run.manifest["unknowns"], fixed("")),
     "Steps": (lambda run: run.manifest["steps"]["done"], fixed("")),

@@ -342,7 +342,7 @@ def tables(run: Run, found: dict[str, Table]) -> None:
     factor, unit = prefix(list(terms.values()), unit)
     same("account of the energy", (found["Energy"].head, found["Energy"].rows),
          (["Energy", unit], [[name, f"{value * factor:.4g}"] for name, value in terms.items()
-                             if abs(value) > 1e-12 * max(map(abs, terms.values())) or name.startswith("Kinetic")]))  # fmt: skip
+                             if abs(value) > 1e-12 * np.max(np.abs(list(terms.values()))) or name.startswith("Kinetic")]))  # fmt: skip
     worst = run.manifest["invariants"]
     same("worst residuals", found["Law, residual / scale"].rows, [[name, f"{one['worst']:.2g}", f"{one['step']:,}"] for name, one in worst.items()])
     impact, N, Ns = run.manifest["impact"], per_depth(run, "N"), per_depth(run, "N s")
