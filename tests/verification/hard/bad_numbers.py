@@ -53,7 +53,7 @@ CASES: dict[str, tuple[str, dict, str]] = {
     "node pushed through the opposite edge": ("simulate", {"mesh": square2(points=moved(2, (0.0, 0.9, 0.0)))}, "overlap"),
     "corner pushed through the opposite face":
         ("simulate", {"mesh__file": "cube.msh", "mesh": cube2(points=moved_corner(6, (-2.0, 2.0, 0.2)))}, "overlap"),
-    "all triangles inside out in one point": ("simulate", {"mesh": square2(points=[(0.0, 0.0, 0.0)] * 9)}, "no area"),
+    "all triangles inside out in one point": ("simulate", {"mesh": square2(points=[(0.0, 0.0, 0.0)] * 9)}, "zero area"),
     "load whose motion overflows": ("simulate", {"load__body": ["0", "-1e308"]}, "largest penetration"),
     "control whose motion overflows": ("optimize", {"control__scale": 1e308}, "largest penetration"),
     "stiffness at the end of the numbers": ("simulate", {"material__young": 1e308}, "step 1 (t = 5e-05 s): the solution is not finite"),
