@@ -2,8 +2,8 @@
 #include "fem/foundations.h"
 #include "base/error.h"
 #include "fem/coherence.h"
+#include "fem/wave_time.h"
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <stdexcept>
 
@@ -21,10 +21,8 @@ Springs on_facets(const Space& space, const std::vector<scene::Foundation>& foun
 
 /// Dashpots that absorb plane waves along the normal: impedances ρ c of pressure and shear waves.
 Springs impedances(const scene::Material& material) {
-  const double E = material.young, nu = material.poisson;
-  const double pressure_modulus = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)),
-               shear_modulus = E / (2 * (1 + nu));
-  return {std::sqrt(material.density * pressure_modulus), std::sqrt(material.density * shear_modulus)};
+  const auto [pressure, shear] = wave_speeds(material);
+  return {material.density * pressure, material.density * shear};
 }
 
 /// Derivatives of impedances() by a constant of the material.

@@ -43,11 +43,10 @@ void require_rules(Reader& in, const Foundation& foundation, const Scene& scene)
     if (scene.foundations[i].on == foundation.on)
       in.fail("on", fmt::format("found \"{}\", which is the group of {} too; give a group one foundation",
                                 foundation.on, foundation_key(i)));
-  const bool empty = !foundation.stiffness && !foundation.damping && !foundation.absorbing;
-  if (empty)
+  if (!foundation.stiffness && !foundation.damping && !foundation.absorbing) {
     in.finish(); // reports a misspelt key, the likeliest reason
-  if (empty)
     in.fail("", "found none of stiffness, damping, absorbing; give at least one");
+  }
   if (foundation.absorbing && foundation.damping)
     in.fail("damping", "found together with absorbing = true, which sets the dashpots; remove one of them");
 }
