@@ -170,7 +170,7 @@ constexpr double no_tau = 0; // for forms without a time step
 
 /// Assembles Σ α M over the materials (BAIJ); null if no material has mass-proportional damping. Collective.
 petsc::Matrix assemble_drag(const Space& space, std::vector<Part> body) {
-  if (std::ranges::none_of(body, [](const Part& part) { return part.material.mass_damping() > 0; }))
+  if (std::ranges::none_of(body, [](const Part& part) { return part.material.dragged(); }))
     return {};
   for (Part& part : body)
     part.material.density *= part.material.mass_damping();

@@ -16,8 +16,8 @@ constexpr const char* axes[] = {"x", "y", "z"};
 } // namespace
 
 StepsColumns StepsColumns::of(const scene::Scene& scene, bool tracking) {
-  const auto dragged = [](const scene::Material& material) { return material.mass_damping() > 0; };
-  return {tracking, !scene.foundations.empty(), std::ranges::any_of(scene.materials, dragged)};
+  return {tracking, !scene.foundations.empty(),
+          std::ranges::any_of(scene.materials, &scene::Material::dragged)};
 }
 
 std::string steps_header(int dim, const StepsColumns& columns) {

@@ -24,11 +24,10 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   const auto& objective = scene.objective;
   const scene::ContactScheme scheme = scene.contact_scheme();
   const bool viscous = std::ranges::any_of(scene.materials, &scene::Material::viscous);
-  const auto dragged = [](const scene::Material& material) { return material.mass_damping() > 0; };
   return {
       {"several materials", scene.materials.size() > 1},
       {"viscosity", viscous},
-      {"mass damping", std::ranges::any_of(scene.materials, dragged)},
+      {"mass damping", std::ranges::any_of(scene.materials, &scene::Material::dragged)},
       {"foundation", !scene.foundations.empty()},
       {"clamp", !scene.clamps.empty()},
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},

@@ -81,6 +81,8 @@ struct Material {
   [[nodiscard]] bool viscous() const { return viscosity || (rayleigh && rayleigh->beta > 0); }
   /// α of the Rayleigh damping, 1/s; 0 without it.
   [[nodiscard]] double mass_damping() const { return rayleigh ? rayleigh->alpha : 0; }
+  /// Whether mass-proportional damping acts.
+  [[nodiscard]] bool dragged() const { return mass_damping() > 0; }
   /// Sum of `viscosity` and the viscosity to which β A is equivalent: κ = β K, η = β μ.
   [[nodiscard]] Viscosity total_viscosity() const;
 };

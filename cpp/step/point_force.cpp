@@ -59,16 +59,17 @@ std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<do
   return found.own;
 }
 
+std::vector<double> coordinates(const fem::Space& space, std::size_t node) {
+  const double* const x = &space.points()[3 * node];
+  return {x, x + 3};
+}
+
 } // namespace
 
 PointForce::PointForce(const fem::Space& space, const scene::PointForce& force, const std::string& key,
                        double end)
-    : dim_(static_cast<std::size_t>(space.dim())), point_([&] {
-        const std::optional<std::size_t> node = node_at(space, force.at, key);
-        node_ = node.value_or(0);
-        const auto first = space.points().begin() + static_cast<std::ptrdiff_t>(3 * node_);
-        return node ? std::vector<double>(first, first + 3) : std::vector<double>();
-      }()),
+    : dim_(static_cast<std::size_t>(space.dim())), node_(node_at(space, force.at, key)),
+      point_(node_ ? coordinates(space, *node_) : std::vector<double>()),
       profile_(space.comm(), scene::Field(force.value, key + ".value", true), point_, end),
       value_(dim_ * (point_.size() / 3)) {}
 
@@ -76,7 +77,7 @@ void PointForce::add(const TimeStep& step, Vec sum) const {
   profile_.mean(step.begin, step.end, value_);
   const petsc::WriteArray entries(sum);
   for (std::size_t c = 0; c < value_.size(); ++c)
-    entries[dim_ * node_ + c] += value_[c];
+    entries[dim_ * *node_ + c] += value_[c];
 }
 
 } // namespace signorini::step

@@ -2,6 +2,7 @@
 #pragma once
 #include "fem/time_profile.h"
 #include "step/time_grid.h"
+#include <optional>
 #include <vector>
 
 namespace signorini::step {
@@ -22,8 +23,8 @@ public:
 
 private:
   std::size_t dim_;
-  std::size_t node_ = 0;      ///< local number of the node on the rank that owns it
-  std::vector<double> point_; ///< the node's coordinates on that rank, else empty
+  std::optional<std::size_t> node_; ///< local number of the node; set on the rank that owns it
+  std::vector<double> point_;       ///< the node's coordinates on that rank, else empty
   fem::TimeProfile profile_;
   mutable std::vector<double> value_;
 };
