@@ -16,10 +16,10 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "postprocess"))
 
-import animation  # noqa: E402
-import control_magnitude  # noqa: E402
+import as_package  # noqa: E402, F401  makes postprocess/ the package
 from PIL import Image  # noqa: E402
-from run_folder import RunFolder  # noqa: E402
+from signorini.post import animation, control_magnitude  # noqa: E402
+from signorini.post.run_folder import RunFolder  # noqa: E402
 
 # Those whose motion without a control shows nothing, and what is run of them instead.
 VERBS = {
