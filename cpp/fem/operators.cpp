@@ -75,13 +75,6 @@ double DirichletDofs::decouple(Mat matrix) const {
   return largest;
 }
 
-petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
-  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 needs the option, even for PᵀMP
-  petsc::Matrix half;
-  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
-  return half;
-}
-
 namespace {
 
 /// Returns c with `matrix` = c `other` up to rounding, or nothing if no such c exists; tested with a random
@@ -120,6 +113,7 @@ petsc::Matrix one_for_all(Mat rows) {
   check(MatGetBlockSize(rows, &dim));
   petsc::Matrix all;
   check(MatCreateMAIJ(first_component(rows), dim, all.put()));
+  thread_products(all);
   return all;
 }
 

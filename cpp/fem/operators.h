@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fem/forms.h"
+#include "linalg/threaded_product.h"
 #include <optional>
 
 namespace signorini::fem {
@@ -98,9 +99,6 @@ petsc::Matrix assemble_rate(const Space& space, const std::vector<scene::Materia
 
 /// Assembles the mass matrix M, in blocks (BAIJ). Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
-
-/// Returns the upper half (SBAIJ) of a symmetric matrix of blocks (BAIJ). Collective.
-petsc::Matrix symmetric_half(const petsc::Matrix& blocks);
 
 /// Returns D − c A as its upper half in blocks (SBAIJ). Collective.
 petsc::Matrix shifted(Mat A, Mat D, double c);

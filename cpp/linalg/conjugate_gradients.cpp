@@ -2,6 +2,7 @@
 #include "linalg/conjugate_gradients.h"
 #include "base/error.h"
 #include "base/timers.h"
+#include "linalg/threaded_product.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -89,6 +90,11 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most)
     : matrix_(matrix), right_hand_side_(petsc::vector_of(matrix)), projected_(petsc::vector_of(matrix)) {
   PetscInt owned = 0;
   check(MatGetLocalSize(matrix, &owned, nullptr));
+  PetscBool blocks = PETSC_FALSE;
+  check(
+      PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &blocks, MATSEQBAIJ, MATMPIBAIJ, ""));
+  if (blocks)
+    half_ = symmetric_half(matrix);
   check(MatCreateShell(petsc::comm(matrix), owned, owned, PETSC_DETERMINE, PETSC_DETERMINE, this,
                        operator_.put()));
   // The operation's type has no arguments.
@@ -137,11 +143,11 @@ void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double
 }
 
 double ConjugateGradients::iteration_bytes(Mat matrix) {
-  // x, r, p and D p are read or written twice, the blocks of Jacobi and their results once.
+  // x, r, p and D p are read or written twice, the blocks of Jacobi and their results once, and half of D.
   constexpr double vectors = 10;
   PetscInt n = 0;
   check(MatGetSize(matrix, &n, nullptr));
-  return petsc::bytes(matrix) + vectors * sizeof(PetscScalar) * static_cast<double>(n);
+  return petsc::bytes(matrix) / 2 + vectors * sizeof(PetscScalar) * static_cast<double>(n);
 }
 
 double ConjugateGradients::try_out(double most) const {
@@ -171,7 +177,7 @@ PetscErrorCode ConjugateGradients::multiply(Mat shell, Vec x, Vec y) {
   void* context = nullptr;
   PetscCall(MatShellGetContext(shell, static_cast<void*>(&context)));
   const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
-  PetscCall(MatMult(self.matrix_, x, y));
+  PetscCall(MatMult(self.product(), x, y));
   if (!self.now_->started) { // x is the guess; b·x would leave out the forces of constraints
     self.now_->started = true;
     PetscScalar energy = 0;

@@ -77,8 +77,13 @@ public:
   /// Relative tolerance of the convergence test (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
 
+  /// Matrix for products with the operator: its upper half if it is given in blocks.
+  [[nodiscard]] Mat product() const { return half_ ? Mat(half_) : matrix_; }
+
   [[nodiscard]] std::string name() const override { return "CG with " + preconditioner_->name(); }
-  [[nodiscard]] double bytes() const override { return preconditioner_->bytes(); }
+  [[nodiscard]] double bytes() const override {
+    return preconditioner_->bytes() + (half_ ? petsc::bytes(half_) : 0);
+  }
 
 private:
   /// State of one solve.
@@ -106,6 +111,7 @@ private:
   void run(Vec b, Vec x, Solve& solve) const;
 
   Mat matrix_;
+  petsc::Matrix half_; ///< upper half of matrix_ for products; null for matrices without blocks
   /// The operator x ↦ P (matrix x), which keeps residuals r in the subspace. With the projection in the
   /// preconditioner alone, z = P M⁻¹ P r, residuals would contain the constraint forces f. Once the rest of
   /// the residual has fallen to ε|f|, with ε the rounding error of P, z·r would be rounding error, and search

@@ -14,7 +14,7 @@ using petsc::check;
 constexpr const char* attached = "signorini_threaded_product";
 /// Number of stored entries above which threads save more time than their synchronisation takes.
 constexpr std::ptrdiff_t worth_threads = 50'000;
-/// Number of parts with equal work into which the rows are divided.
+/// Number of parts with equal work into which the rows of a matrix that is worth threads are divided.
 constexpr std::ptrdiff_t parts_wanted = 32;
 
 /// Product y = A x + z with one matrix A; a null z counts as zero, and y may be z.
@@ -31,14 +31,15 @@ struct Rows {
   const PetscScalar* values = nullptr;
 };
 
-/// Divides rows into parts with about equally many entries. Returns the first row of each part and, at the
-/// end, the number of rows.
-std::vector<PetscInt> parts(const Rows& rows) {
+/// Divides rows into parts with about equally many entries of `size` numbers; one part if they are few.
+/// Returns the first row of each part and, at the end, the number of rows.
+std::vector<PetscInt> parts(const Rows& rows, std::ptrdiff_t size) {
   std::vector<PetscInt> first{0};
-  const std::ptrdiff_t entries = rows.begin[rows.count];
-  for (std::ptrdiff_t part = 1; part < parts_wanted; ++part) {
+  const std::ptrdiff_t entries = rows.begin[rows.count],
+                       count = entries * size < worth_threads ? 1 : parts_wanted;
+  for (std::ptrdiff_t part = 1; part < count; ++part) {
     const PetscInt* const found =
-        std::lower_bound(rows.begin, rows.begin + rows.count, part * entries / parts_wanted);
+        std::lower_bound(rows.begin, rows.begin + rows.count, part * entries / count);
     first.push_back(static_cast<PetscInt>(found - rows.begin));
   }
   first.push_back(rows.count);
@@ -50,7 +51,8 @@ std::vector<PetscInt> parts(const Rows& rows) {
 template <int size>
 class SymmetricProduct final : public Product {
 public:
-  explicit SymmetricProduct(const Rows& rows) : rows_(rows), first_(parts(rows)), reached_(parts_wanted) {
+  explicit SymmetricProduct(const Rows& rows)
+      : rows_(rows), first_(parts(rows, size * size)), reached_(first_.size() - 1) {
     for (std::size_t p = 0; p < reached_.size(); ++p) {
       const PetscInt end = first_[p + 1];
       PetscInt last = end - 1;
@@ -61,11 +63,13 @@ public:
   }
 
   void operator()(const double* x, const double* z, double* y) override {
+    if (reached_.size() == 1)
+      return multiply(0, x, z, y);
 #pragma omp parallel
     {
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t p = 0; p < reached_.size(); ++p)
-        threaded_multiply(p, x, z, y);
+        multiply(p, x, z, y);
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t p = 0; p < reached_.size(); ++p)
         collect(p, y);
@@ -73,7 +77,7 @@ public:
   }
 
 private:
-  void threaded_multiply(std::size_t p, const double* x, const double* z, double* y) {
+  void multiply(std::size_t p, const double* x, const double* z, double* y) {
     const PetscInt begin = first_[p], end = first_[p + 1];
     if (!z)
       std::fill(y + begin * size, y + end * size, 0.0);
@@ -127,22 +131,29 @@ private:
 template <int size>
 class ComponentProduct final : public Product {
 public:
-  explicit ComponentProduct(const Rows& rows) : rows_(rows), first_(parts(rows)) {}
+  explicit ComponentProduct(const Rows& rows) : rows_(rows), first_(parts(rows, size)) {}
 
   void operator()(const double* x, const double* z, double* y) override {
+    const std::size_t count = first_.size() - 1;
+    if (count == 1)
+      return multiply(0, x, z, y);
 #pragma omp parallel for schedule(dynamic, 1)
-    for (std::ptrdiff_t p = 0; p < parts_wanted; ++p)
-      for (PetscInt i = first_[p]; i < first_[static_cast<std::size_t>(p) + 1]; ++i) {
-        double sum[size] = {};
-        for (PetscInt e = rows_.begin[i]; e < rows_.begin[i + 1]; ++e)
-          for (int c = 0; c < size; ++c)
-            sum[c] += rows_.values[e] * x[rows_.column[e] * size + c];
-        for (int c = 0; c < size; ++c)
-          y[i * size + c] = z ? z[i * size + c] + sum[c] : sum[c];
-      }
+    for (std::size_t p = 0; p < count; ++p)
+      multiply(p, x, z, y);
   }
 
 private:
+  void multiply(std::size_t p, const double* x, const double* z, double* y) {
+    for (PetscInt i = first_[p]; i < first_[p + 1]; ++i) {
+      double sum[size] = {};
+      for (PetscInt e = rows_.begin[i]; e < rows_.begin[i + 1]; ++e)
+        for (int c = 0; c < size; ++c)
+          sum[c] += rows_.values[e] * x[rows_.column[e] * size + c];
+      for (int c = 0; c < size; ++c)
+        y[i * size + c] = z ? z[i * size + c] + sum[c] : sum[c];
+    }
+  }
+
   Rows rows_;
   std::vector<PetscInt> first_;
 };
@@ -164,7 +175,7 @@ Rows rows_of(Mat matrix, PetscScalar* values) {
   return rows;
 }
 
-/// Creates the threaded product of a matrix; returns null for a matrix that is of another type or small.
+/// Creates the threaded product of a matrix on one rank; returns null for a matrix of another type.
 std::unique_ptr<Product> product_of(Mat matrix) {
   PetscBool symmetric = PETSC_FALSE, components = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATSEQSBAIJ, &symmetric));
@@ -179,8 +190,7 @@ std::unique_ptr<Product> product_of(Mat matrix) {
   check(symmetric ? MatSeqSBAIJRestoreArray(stored, &values) : MatSeqAIJRestoreArray(stored, &values));
   PetscInt size = 1;
   check(MatGetBlockSize(matrix, &size));
-  if (!rows.values ||
-      static_cast<std::ptrdiff_t>(rows.begin[rows.count]) * (symmetric ? size * size : size) < worth_threads)
+  if (!rows.values)
     return nullptr;
   return symmetric ? product<SymmetricProduct>(rows, size) : product<ComponentProduct>(rows, size);
 }
@@ -239,6 +249,10 @@ PetscErrorCode set_destroy(PetscContainer container) {
 } // namespace
 
 void thread_products(Mat matrix) {
+  PetscBool distributed = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATMPISBAIJ, &distributed));
+  if (distributed)
+    check(MatGetDiagonalBlock(matrix, &matrix));
   std::unique_ptr<Product> product = product_of(matrix);
   if (!product)
     return;
@@ -251,6 +265,14 @@ void thread_products(Mat matrix) {
   check(PetscContainerDestroy(&container));
   check(MatSetOperation(matrix, MATOP_MULT, reinterpret_cast<void (*)()>(threaded_multiply)));
   check(MatSetOperation(matrix, MATOP_MULT_ADD, reinterpret_cast<void (*)()>(threaded_multiply_add)));
+}
+
+petsc::Matrix symmetric_half(Mat blocks) {
+  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 needs the option, even for PᵀMP
+  petsc::Matrix half;
+  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
+  thread_products(half);
+  return half;
 }
 
 } // namespace signorini

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <petscmat.h>
+#include "base/petsc.h"
 
 namespace signorini {
 
-/// Makes later products with a matrix (MatMult, MatMultAdd) run on the threads of OpenMP. `matrix`: on one
-/// rank, SBAIJ with blocks of 2 or 3, or MAIJ with 2 or 3 components. Matrices of other types and small
-/// matrices keep PETSc's products. How rows are divided depends on the matrix alone, so that products are
-/// bitwise equal for any number of threads. Do not multiply copies that PETSc makes of the matrix
-/// (MatDuplicate): their products fail. Not collective.
+/// Makes later products with a matrix (MatMult, MatMultAdd) run on the threads of OpenMP. `matrix`: SBAIJ
+/// with blocks of 2 or 3, of which on several ranks the rows and columns of this rank count, or on one rank
+/// MAIJ with 2 or 3 components. Matrices of other types keep PETSc's products. Small matrices take one
+/// thread; their products are quicker than PETSc's too, which prefetch the matrix past the caches. How rows
+/// are divided depends on the matrix alone, so that products are bitwise equal for any number of threads. Do
+/// not multiply copies that PETSc makes of the matrix (MatDuplicate): their products fail. Not collective.
 void thread_products(Mat matrix);
+
+/// Returns the upper half (SBAIJ) of a symmetric matrix of blocks (BAIJ), with thread_products(). Collective.
+petsc::Matrix symmetric_half(Mat blocks);
 
 } // namespace signorini

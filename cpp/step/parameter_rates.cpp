@@ -89,28 +89,28 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
     check(MatScale(B, factor));
     if (absorbing)
       check(MatAXPY(B, 1, absorbing, SUBSET_NONZERO_PATTERN));
-    rate.B = fem::symmetric_half(B);
+    rate.B = symmetric_half(B);
   };
   using enum scene::Parameter;
   switch (unknown.of) {
   case young:
   case poisson: {
     const petsc::Matrix A = assembled(unknown.of == young ? fem::Form::a_young : fem::Form::a_poisson);
-    rate.A = fem::symmetric_half(A);
+    rate.A = symmetric_half(A);
     set_damping(rayleigh.beta, A);
     break;
   }
   case bulk:
-    rate.B = fem::symmetric_half(assembled(fem::Form::b_kappa));
+    rate.B = symmetric_half(assembled(fem::Form::b_kappa));
     break;
   case shear:
-    rate.B = fem::symmetric_half(assembled(fem::Form::b_eta));
+    rate.B = symmetric_half(assembled(fem::Form::b_eta));
     break;
   case alpha:
-    rate.B = fem::symmetric_half(assembled(fem::Form::m));
+    rate.B = symmetric_half(assembled(fem::Form::m));
     break;
   case beta:
-    rate.B = fem::symmetric_half(assembled(fem::Form::a));
+    rate.B = symmetric_half(assembled(fem::Form::a));
     break;
   default: {
     petsc::Matrix M = assembled(fem::Form::m_rho);
@@ -118,7 +118,7 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
     if (scene::has_massless_candidates(stepper_.contact_scheme()))
       M = contact::redistributed_mass(stepper_.space(), *stepper_.pairs(),
                                       contact::obstacles_without_mass(scene.contacts), M);
-    rate.M = fem::symmetric_half(M);
+    rate.M = symmetric_half(M);
     add_gravity(scene, rate);
   }
   }
@@ -165,7 +165,7 @@ petsc::Matrix ParameterRates::redistributed_mass_rate(const scene::Scene& scene,
           stepper_.space(), pairs, contact::obstacles_without_mass(scene.contacts), M);
       check(MatAXPY(rate, side * weights[i] / h, moved, DIFFERENT_NONZERO_PATTERN));
     }
-  return fem::symmetric_half(rate);
+  return symmetric_half(rate);
 }
 
 void ParameterRates::add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,

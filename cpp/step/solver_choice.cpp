@@ -23,7 +23,7 @@ struct Rates {
   double flops, bytes;
 };
 constexpr Rates cholmod{.flops = 16e9, .bytes = 15e9}, mumps{.flops = 8e9, .bytes = 6e9};
-constexpr double iteration_rate = 20e9; ///< bytes per second of an iteration by conjugate gradients
+constexpr double iteration_rate = 12e9; ///< bytes per second of an iteration by conjugate gradients
 
 /// Seconds per unknown for the analysis by MUMPS, which one rank makes, and for the distribution of D.
 constexpr double mumps_analysis = 25e-6;
@@ -267,12 +267,14 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
     const double room = scene.memory - linear_->bytes();
     if (!pairs.rows().symmetric() || condense_on_demand(pairs.rows(), solves, D_, room)) {
       choice_ += "; contact condensed by columns computed on demand";
-      auto columns = std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, D_, room);
+      auto columns =
+          std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, iterative_->product(), room);
       return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
                                                         std::move(columns), contact::Residual(),
                                                         iterative_->tolerance());
     }
-    return std::make_unique<contact::ProjectedSolver>(pairs.rows(), pairs.diameter(), *iterative_, D_);
+    return std::make_unique<contact::ProjectedSolver>(pairs.rows(), pairs.diameter(), *iterative_,
+                                                      iterative_->product());
   }
   std::unique_ptr<contact::Condensation> condensation;
   if (cholesky_)

@@ -5,7 +5,6 @@
 #include "contact/lcp/primal_dual.h"
 #include "contact/mass_redistribution.h"
 #include "fem/wave_time.h"
-#include "linalg/threaded_product.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -76,7 +75,6 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
                        needs.derivatives, solves);
-  thread_products(M());
   if (MovingClamps::in(scene.clamps))
     moving_clamps_.emplace(space, scene.clamps);
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
@@ -96,7 +94,7 @@ void Stepper::move_mass(const scene::Scene& scene) {
   mass_blocks_ = fem::assemble_mass(space_, scene.materials);
   redistributed_blocks_ = contact::redistributed_mass(
       space_, *pairs_, contact::obstacles_without_mass(scene.contacts), mass_blocks_);
-  redistributed_mass_ = fem::symmetric_half(redistributed_blocks_);
+  redistributed_mass_ = symmetric_half(redistributed_blocks_);
 }
 
 double Stepper::scheme_bytes() const {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/step_operators.h"
-#include "linalg/threaded_product.h"
 #include <algorithm>
 #include <chrono>
 
@@ -49,9 +48,8 @@ StepOperators::PerStepLength StepOperators::make(double tau) const {
   PerStepLength made{.tau = tau};
   petsc::Matrix D = assemble_(tau);
   made.R = fem::shifted(A_, D, 2 * Scheme{tau}.stiffness());
-  thread_products(made.R);
   if (whole_)
-    made.whole_D = fem::symmetric_half(D);
+    made.whole_D = symmetric_half(D);
   made.clamped_diagonal = clamped_.decouple(D);
   fem::attach_rigid_motions(D, space_);
   made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, derivatives_, solves_, order_,
