@@ -80,7 +80,7 @@ TEST_CASE("where many pieces meet the search ends with a certificate", "[optimiz
         const auto ending = search(method, problem, Point{std::vector<double>(problem.n, 0.3)},
                                    {.max_iterations = 500, .tolerance = 1e-7}, record);
         require_certified(problem, ending, record, 1e-7);
-        CHECK(record.rows.size() < 250); // 30 to 160, by the pieces that it comes by
+        CHECK(record.rows.size() < 400); // 30 to 280, depending on the pieces met and on the rounding of BLAS
         const auto at_bounds = std::ranges::count_if(
             problem.current.x, [&](double x) { return x == problem.lower || x == problem.upper; });
         held += at_bounds > 0;
