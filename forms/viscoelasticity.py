@@ -30,7 +30,7 @@ said when a form is assembled. (Plain ufl.dx would be all cells, once for every 
 
 The build compiles this page for every cell and degree it is asked for (signorini_add_forms in
 forms/CMakeLists.txt) and again whenever it is edited. The names of the forms and of the
-constants are those that cpp/fem/forms.cpp asks for.
+constants are those that cpp/fem/compiled_forms.cpp asks for.
 """
 
 import basix.ufl

@@ -10,15 +10,17 @@ if not __package__:  # called by its file
 
 from . import style
 from .command_line import run_alone
-from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy
 from .run_folder import RunFolder
+
+LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":")}
 
 
 def draw(run: RunFolder) -> list[Path]:
     """Draws the energies at the time steps; the dissipation only if there is any, the potential only where loads do work."""
     steps = run.steps
     kinetic, elastic = steps["kinetic_energy"], steps["elastic_energy"]
-    dissipated, foundation = dissipated_so_far(steps), steps.get("foundation_energy")
+    dissipated, further = dissipated_so_far(steps), further_energies(steps)
     potential = potential_of_loads(steps)
     total = stored_energy(steps) + (0 if potential is None else potential)
     factor, unit = style.prefixed(max(total.max(), dissipated[-1]), style.per_depth("J", run.dim))
@@ -27,11 +29,12 @@ def draw(run: RunFolder) -> list[Path]:
     times = style.time_axis(axes, steps["time"])
     axes.plot(times, kinetic * factor, color=style.BLUE, label="kinetic")
     axes.plot(times, elastic * factor, color=style.ORANGE, linestyle="--", label="elastic")
-    if foundation is not None:
-        axes.plot(times, foundation * factor, color=style.SKY, linestyle=(0, (3, 1, 1, 1)), label="foundations")
+    for name, energy in further.items():
+        color, linestyle = LOOKS[name]
+        axes.plot(times, energy * factor, color=color, linestyle=linestyle, label=name)
     if potential is not None:
         axes.plot(times, potential * factor, color=style.GREEN, linestyle=":", label="potential")
-    axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and foundation is None else "sum of these")
+    axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and not further else "sum of these")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
     style.shade_contact(axes, times, steps["active"])

@@ -6,16 +6,23 @@ from collections.abc import Mapping
 import numpy as np
 
 Columns = Mapping[str, np.ndarray]
-DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation")
+DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation", "relaxation_dissipation")
+# Columns of energies that only runs with the effect have, and the names of their curves.
+FURTHER = {"foundation_energy": "foundations", "relaxation_energy": "branches"}
 
 
 def stored_energy(steps: Columns) -> np.ndarray:
-    """Returns the kinetic and elastic energy at every time step, foundations included."""
-    return steps["kinetic_energy"] + steps["elastic_energy"] + steps.get("foundation_energy", 0.0)
+    """Returns the kinetic and elastic energy at every time step, foundations and branches that relax included."""
+    return steps["kinetic_energy"] + steps["elastic_energy"] + sum(further_energies(steps).values())
+
+
+def further_energies(steps: Columns) -> dict[str, np.ndarray]:
+    """Returns the energies of foundations and of branches at every time step, by the names of their curves; only those that the run has."""
+    return {name: steps[column] for column, name in FURTHER.items() if column in steps}
 
 
 def dissipated_so_far(steps: Columns) -> np.ndarray:
-    """Returns the energy dissipated until every time step by viscosity, by dashpots of foundations and by mass damping."""
+    """Returns the energy dissipated until every time step by viscosity, dashpots of foundations, mass damping and relaxation."""
     return np.cumsum(sum(steps[name] for name in DISSIPATION if name in steps))
 
 

@@ -199,6 +199,8 @@ MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], st
     "Largest energy in foundations": (lambda run: term(run, "foundation_energy").max(), depth("J")),
     "Dissipated by dashpots of foundations": (lambda run: term(run, "foundation_dissipation").sum(), depth("J")),
     "Dissipated by mass damping": (lambda run: term(run, "drag_dissipation").sum(), depth("J")),
+    "Largest energy in branches": (lambda run: term(run, "relaxation_energy").max(), depth("J")),
+    "Dissipated by relaxation": (lambda run: term(run, "relaxation_dissipation").sum(), depth("J")),
     "Work of contact": (lambda run: run.steps["contact_work"].sum(), depth("J")),
     "Unknowns": (lambda run: run.manifest["unknowns"], fixed("")),
     "Steps": (lambda run: run.manifest["steps"]["done"], fixed("")),

@@ -75,7 +75,9 @@ def energy_account(run: RunFolder) -> list[Table]:
              "Work of the loads": given["load_work"], "Work of the control and of clamps": given["control_and_clamp_work"],
              "Work of contact": given["contact_work"], "Dissipated by viscosity": -given["viscous_dissipation"],
              "Dissipated by dashpots of foundations": -given.get("foundation_dissipation", 0),
-             "Dissipated by mass damping": -given.get("drag_dissipation", 0), "Springs of foundations at the end": -foundation[1],
+             "Dissipated by mass damping": -given.get("drag_dissipation", 0),
+             "Dissipated by relaxation": -given.get("relaxation_dissipation", 0),
+             "Springs of foundations at the end": -foundation[1], "Branches at the end": -given.get("relaxation_at_end", 0),
              "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
     factor, unit = prefixed(np.array(list(terms.values())), unit)
     rounding = 1e-12 * max(abs(value) for value in terms.values())

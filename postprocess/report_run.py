@@ -7,7 +7,7 @@ from . import report_contact, report_control, report_fit, report_motion, report_
 from .files import NotInRun, Table as Columns, whole_text
 from .report_impact import energy_account, impact
 from .report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
-from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy
 from .run_folder import RunFolder
 
 FROM_ZERO = {"rangemode": "tozero"}
@@ -145,19 +145,19 @@ def energies(run: RunFolder) -> Chart:
     """Makes the chart of energies at the time steps; dissipation only if there is any, potential only where loads do work."""
     steps = run.steps
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], dissipated_so_far(steps)
-    potential, foundation = potential_of_loads(steps), steps.get("foundation_energy")
+    potential, further = potential_of_loads(steps), further_energies(steps)
     whole_energy = stored_energy(steps) + (0 if potential is None else potential)
     factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.dim))
     times, title = time_axis(steps["time"])
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
     note = ""
-    if foundation is not None:
-        curves.append(line("foundations", times, foundation * factor, style.SKY, "longdashdot"))
+    looks = {"foundations": (style.SKY, "longdashdot"), "branches": (style.ORANGE, "dot")}
+    curves += [line(name, times, energy * factor, *looks[name]) for name, energy in further.items()]
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
         note = "The potential of the loads falls by the work of the loads; its least value is set to 0."
-    parts = "kinetic + elastic" + " + foundations" * (foundation is not None) + " + potential" * (potential is not None)
+    parts = " + ".join(["kinetic", "elastic", *further, *["potential"] * (potential is not None)])
     curves.append(line(parts, times, whole_energy * factor, "black"))
     other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
     if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):

@@ -44,6 +44,7 @@ private:
 /// A motion with all that can be looked at, of the steps 0…N.
 struct Recorded {
   petsc::Series y, v;
+  std::vector<petsc::Series> q; ///< internal displacements of the branches, by steps
   std::vector<contact::ContactState> contact;
   std::vector<diagnostics::StepBalance> balance;
   int steps = 0;
@@ -54,6 +55,9 @@ struct Recorded {
                                   [&](const trajectory::Frame& frame) {
                                     y.push_back(petsc::copy(frame.after.y()));
                                     v.push_back(petsc::copy(frame.after.v()));
+                                    petsc::Series& of_step = q.emplace_back();
+                                    for (const petsc::Vector& one : frame.after.q())
+                                      of_step.push_back(petsc::copy(one));
                                     contact.push_back(frame.contact);
                                     balance.push_back(weigh(frame));
                                   });

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "control/interpolation.h"
 #include "diagnostics/warnings.h"
+#include <fmt/format.h>
 
 namespace signorini::accuracy {
 using petsc::check;
@@ -147,6 +148,13 @@ void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
 }
 
 } // namespace
+
+void require_no_relaxation(const scene::Scene& scene, const char* option, const char* instead) {
+  if (scene.relaxes())
+    throw UserError(fmt::format("{}: cannot be combined with material.prony, since the error estimate does "
+                                "not include relaxation; {}",
+                                option, instead));
+}
 
 adjoint::ErrorParts estimate_error(const problem::Problem& problem,
                                    const problem::ControlProblem& control_problem,

@@ -7,6 +7,10 @@
 
 namespace signorini::accuracy {
 
+/// Throws UserError if a material of the scene relaxes, since the enriched body of estimate_error() has no
+/// internal displacements. `option`: option that needs the estimate; `instead`: remedy, for the message.
+void require_no_relaxation(const scene::Scene& scene, const char* option, const char* instead);
+
 /// Estimates the error J(exact) − J at the current control of `control_problem`, without a finer run
 /// (docs/method.md section 7). The parts of the estimate are:
 ///  - the adjoint-weighted residual of the motion, including the interpolation errors of loads, minus that of
@@ -19,8 +23,8 @@ namespace signorini::accuracy {
 /// degree 2 only the errors in time are estimated. The control counts as exact. Makes one forward and one
 /// adjoint sweep for each motion. With trajectory.storage = "checkpoints" and a reference control, additional
 /// checkpoints take half of the budget once more. `by_cells`: null, or receives for each owned cell the sum
-/// of the moduli of its shares in the space part. Throws SolverFailure, Interrupted, WriteFailure.
-/// Collective.
+/// of the moduli of its shares in the space part. No material may relax. Throws SolverFailure, Interrupted,
+/// WriteFailure. Collective.
 adjoint::ErrorParts estimate_error(const problem::Problem& problem,
                                    const problem::ControlProblem& control_problem,
                                    std::vector<double>* by_cells = nullptr);

@@ -9,6 +9,7 @@
 #include "contact/pressure.h"
 #include "diagnostics/balance.h"
 #include "diagnostics/contact_forces.h"
+#include "diagnostics/largest_stress.h"
 #include "diagnostics/warnings.h"
 #include "drivers/check/evaluation_point.h"
 #include "trajectory/step_control.h"
@@ -97,8 +98,8 @@ public:
         }
       });
     if (stress_) {
-      fields_->set(frame.after.y(), frame.after.v());
-      stress_->observe(*fields_, frame.after.y(), frame.after.v(), t);
+      fields_->set(frame.after.y(), frame.after.v(), frame.after.q());
+      stress_->observe(*fields_, frame.after, t);
     }
     if (pressure_ && frame.step.k > 0) {
       constexpr std::size_t kept = 2;
@@ -301,7 +302,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& s
     }
     measured.seconds = seconds(timers);
     simulate(problem, reduced.load(), std::ref(watch));
-    if (estimate)
+    if (estimate && !scene.relaxes())
       measured.estimate = estimate_error(problem, control_problem);
   }
   measured.steps = problem.steps();

@@ -30,8 +30,9 @@ Exact exact_values(const scene::Scene& scene, const SamplePoints& samples);
 
 /// Simulates the scene of a rung and measures the `wanted` quantities. The control is
 /// drivers::evaluation_point() if the scene has an objective, else control.initial. Measuring the gradient
-/// takes an adjoint sweep. `estimate`: whether to estimate also the error of J if there is an objective; the
-/// measured seconds and memory do not include this. Throws UserError, SolverFailure, Interrupted. Collective.
+/// takes an adjoint sweep. `estimate`: whether to estimate also the error of J if there is an objective and
+/// no material relaxes; the measured seconds and memory do not include this. Throws UserError, SolverFailure,
+/// Interrupted. Collective.
 Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& samples,
                  const std::vector<Quantity>& wanted, bool estimate);
 

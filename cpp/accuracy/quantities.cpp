@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "diagnostics/contact_forces.h"
-#include "diagnostics/warnings.h"
+#include "diagnostics/largest_stress.h"
 #include "trajectory/step_errors.h"
 #include <algorithm>
 #include <fmt/format.h>

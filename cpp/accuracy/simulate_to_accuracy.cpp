@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/simulate_to_accuracy.h"
+#include "accuracy/error_estimate.h"
 #include "accuracy/grading.h"
 #include "accuracy/trials.h"
 #include "base/collective.h"
@@ -42,6 +43,7 @@ private:
 
 int simulate_to_accuracy(MPI_Comm comm, scene::Scene scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, drivers::SimulateOptions how, const Console& console) {
+  require_no_relaxation(scene, "--accuracy", "compare sizes and steps by study");
   const Elapsed elapsed(comm);
   if (asked.budget)
     stop_after(*asked.budget);

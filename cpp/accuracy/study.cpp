@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/study.h"
+#include "accuracy/error_estimate.h"
 #include "accuracy/grading.h"
 #include "accuracy/quantities.h"
 #include "accuracy/rung_costs.h"
@@ -200,6 +201,8 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   const Elapsed elapsed(comm);
   if (!options.search_tolerances.empty())
     require_searches(given, options.search_tolerances);
+  if (options.choice.graded)
+    require_no_relaxation(given, "--graded", "leave it out");
   (void)chosen(given, options.quantities, 2); // reports a wrong name before any mesh is read
   scene::Scene scene = given;
   std::vector<Rung> rungs = all_rungs(scene, options.choice);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/trials.h"
 #include "accuracy/analysis.h"
+#include "accuracy/error_estimate.h"
 #include "accuracy/grading.h"
 #include "accuracy/measure.h"
 #include "accuracy/quantities.h"
@@ -234,7 +235,10 @@ void require_size(const scene::Scene& scene, const Quantity& quantity, const cha
 std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene,
                                         const std::vector<std::string>& names, const char* option,
                                         const Console& console, KeepTrial keep) {
-  require_size(scene, the_quantity(scene, names, 2, option), option);
+  const Quantity asked = the_quantity(scene, names, 2, option);
+  if (asked.name == "J")
+    require_no_relaxation(scene, option, "choose another --quantity");
+  require_size(scene, asked, option);
   require_size_takes_effect(comm, scene);
   SamplePoints samples(comm, scene);
   Quantity quantity = the_quantity(scene, names, samples.dim, option);

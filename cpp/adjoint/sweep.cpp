@@ -135,12 +135,12 @@ public:
     }
   }
 
-  void add_step(int k, Vec p) {
+  void add_step(int k, const step::AdjointState& adjoint) {
     std::swap(from_, to_); // not before, as rates_ refers to them in add_predictor()
     from_.copy(states_.at(k - 1));
     rates_.set({motion_.grid.step(k), from_, to_, motion_.at(k)});
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
-      gradient_[j] += rates_.pairing(j, p);
+      gradient_[j] += rates_.pairing(j, adjoint.p, adjoint.z);
       if (rates_.constraint(j, c_))
         for (int i : motion_.at(k).active)
           gradient_[j] += terms_.mu()[i] * c_[i];
@@ -225,7 +225,7 @@ std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace
         gradient.add_predictor(k, jump);
         if (visit)
           visit(k, made.p);
-        gradient.add_step(k, made.p);
+        gradient.add_step(k, made);
       });
   gradient.add_predictor(0, stepper.adjoint_start(step(0, state), work));
   return gradient.finish(state);

@@ -104,6 +104,10 @@ Costs costs(const problem::Problem& problem) {
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: included in D and R"};
   const auto if_any = [](Mat matrix) { return matrix ? petsc::bytes(matrix) : 0; };
   costs["mass damping"] = {"its part of B", if_any(body.drag), "nothing: included in D and R"};
+  if (body.relaxation)
+    costs["relaxation"] = {"stiffness that relaxes",
+                           body.relaxation->bytes() + static_cast<double>(2 * stepper.branches()) * vector,
+                           "at most two products for each material that relaxes"};
   costs["foundation"] = {"its parts of A, B", if_any(body.foundation_A) + if_any(body.foundation_B),
                          "nothing: included in D and R"};
   costs["point force"].step = "its values";

@@ -30,9 +30,10 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 struct Balance::Sums {
   double kinetic = 0, elastic = 0;               ///< v·Mv and y·Ay
   double momentum_moduli = 0;                    ///< sum of the moduli of Mv
-  double internal_moduli = 0;                    ///< sum of the moduli of Ay
+  double internal_moduli = 0;                    ///< sum of the moduli of Ay and of Σ A_j q̄_j
   double viscous = 0;                            ///< w·Bw
   double foundation = 0, dashpots = 0, drag = 0; ///< shares of foundations and drag in y·Ay and w·Bw
+  double branches = 0, relaxed = 0;              ///< Σ q_j·A_j q_j and Σ q̄_j·A_j q̄_j/t_j
   double load = 0, contact = 0;                  ///< work of the loads, of contact
   double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
   double reaction_power = 0;         ///< power of the clamps' reactions
@@ -50,6 +51,9 @@ Balance::Balance(const step::Stepper& stepper, Wanted wanted)
   if (stepper.operators().surrounded())
     for (petsc::Vector* x : {&foundation0_, &foundation1_, &dashpots_, &drag_})
       *x = stepper.space().vector();
+  if (const auto& relaxation = stepper.operators().relaxation)
+    branches_.emplace(Branches{petsc::zero_series(w_, relaxation->branches().size()), petsc::zero_like(w_),
+                               petsc::zero_like(w_), petsc::zero_like(w_)});
   if (wanted.other_forces)
     loads_alone_.emplace(step::ForceAtStep(stepper.space(), {wanted.loads}));
 }
@@ -59,6 +63,9 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   StepBalance now;
   std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_), std::swap(foundation0_, foundation1_);
   add_state(frame, sums);
+  if (branches_ && frame.step.k == 0) // q_j is zero at the start
+    for (const petsc::Vector& force : branches_->forces)
+      check(VecZeroEntries(force));
   if (frame.step.k > 0)
     now.load_work = add_step(frame, sums);
   if (frame.step.k > 0 && stepper_.operators().surrounded())
@@ -66,6 +73,7 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   sums.add_up(stepper_.space().comm());
   now.kinetic_energy = sums.kinetic / 2;
   now.foundation_energy = sums.foundation / 2;
+  now.relaxation_energy = sums.branches / 2;
   now.elastic_energy = sums.elastic / 2 - now.foundation_energy;
   now.momentum = sums.momentum;
   const double before = std::exchange(energy_, now.energy());
@@ -76,6 +84,7 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.load_work = sums.load;
   now.foundation_dissipation = tau * sums.dashpots;
   now.drag_dissipation = tau * sums.drag;
+  now.relaxation_dissipation = tau * sums.relaxed;
   if (stepper_.operators().viscous)
     now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
   now.external_work = sums.load;
@@ -87,8 +96,10 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.contact_work -= sums.jump - sums.clamped_jump;
   if (stepper_.moving_clamps())
     now.external_work += tau * sums.reaction_power - sums.clamped_jump;
-  // E_k − E_{k−1} + τ w·Bw − (f_k + s W u_k)·(y_k − y_{k−1}) − F_k·(y_k − y_{k−1}) (method.md, section 2)
-  now.energy_residual = energy_ - before + tau * sums.viscous - now.external_work - now.contact_work;
+  // E_k − E_{k−1} + τ w·Bw + Σ τ/t_j q̄_j·A_j q̄_j − (f_k + s W u_k)·(y_k − y_{k−1}) − F_k·(y_k − y_{k−1})
+  // (method.md, section 2)
+  now.energy_residual = energy_ - before + tau * sums.viscous + now.relaxation_dissipation -
+                        now.external_work - now.contact_work;
   now.contact_force = sums.contact_force;
   // M (v_k − v_{k−1})/τ less loads, contact forces, reactions and forces of the surroundings, summed over the
   // nodes
@@ -132,6 +143,8 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
     load_work = dot(load_, w_);
   }
   check(VecScale(w_, 1 / tau));
+  if (branches_)
+    add_branches(frame, sums);
   if (body.B)
     check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
   assemble(frame.load, body, load_);
@@ -153,10 +166,17 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
       sums.rate[c] += inertia(i);
       sums.applied[c] += load[i];
       sums.contact_force[c] += force[i];
-      // M (v_k − v_{k−1})/τ + B w + A (y_{k−1} + y_k)/2 − f_k − s W u_k − F_k: the clamps' reaction on the
-      // clamped dofs and zero elsewhere.
+      // M (v_k − v_{k−1})/τ + B w + A (y_{k−1} + y_k)/2 + Σ A_j q̄_j − f_k − s W u_k − F_k: the clamps'
+      // reaction on the clamped dofs and zero elsewhere. The forces of branches are added below.
       defect[i] = inertia(i) + Bw[i] + (Ay0[i] + Ay1[i]) / 2 - load[i] - force[i];
     }
+  if (branches_) {
+    const petsc::ReadArray mean(branches_->mean);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      defect[i] += mean[i];
+      sums.internal_moduli += std::abs(mean[i]);
+    }
+  }
   for (const int dof : stepper_.clamped().dofs()) {
     const auto i = static_cast<std::size_t>(dof);
     sums.reaction[i % dim] += defect[i];
@@ -164,6 +184,40 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
     sums.clamped_jump += jump(i);
   }
   return load_work;
+}
+
+void Balance::add_branches(const trajectory::Frame& frame, Sums& sums) {
+  const fem::Relaxation& relaxation = *stepper_.operators().relaxation;
+  const double tau = frame.step.tau;
+  check(VecZeroEntries(branches_->mean));
+  for (const fem::Relaxation::Stiffness& material : relaxation.stiffnesses()) {
+    for (const auto& [matrix, product] : {std::pair(Mat(material.shear), Vec(branches_->shear)),
+                                          std::pair(Mat(material.bulk), Vec(branches_->bulk))})
+      if (matrix)
+        check(MatMult(matrix, w_, product));
+      else
+        check(VecZeroEntries(product));
+    const petsc::ReadArray shear(branches_->shear), bulk(branches_->bulk);
+    const petsc::WriteArray mean(branches_->mean);
+    for (std::size_t j = material.first; j < material.first + material.count; ++j) {
+      const fem::Relaxation::Branch& branch = relaxation.branches()[j];
+      const auto [gain, decay] = scene::branch_step(tau, branch.time);
+      const petsc::ReadArray q0(frame.before->q()[j]), q1(frame.after.q()[j]);
+      const petsc::WriteArray force(branches_->forces[j]);
+      double energy = 0, relaxed = 0;
+      for (std::size_t i = 0; i < force.size(); ++i) {
+        // A_j q_j follows the recursion of q_j, so that one product per matrix serves all branches.
+        const double before = force[i],
+                     after = decay * before + gain * tau * (branch.g * shear[i] + branch.k * bulk[i]);
+        energy += q1[i] * after;
+        relaxed += (q0[i] + q1[i]) / 2 * (before + after) / 2;
+        mean[i] += (before + after) / 2;
+        force[i] = after;
+      }
+      sums.branches += energy;
+      sums.relaxed += relaxed / branch.time;
+    }
+  }
 }
 
 void Balance::add_surroundings(const trajectory::Frame& frame, Sums& sums) {
@@ -192,20 +246,47 @@ double worst_of(double a, double b) { return worse(b, a) ? b : a; }
 /// Returns `value` relative to `whole`; 0 if `value` is not positive.
 double part(double value, double whole) { return value <= 0 ? 0 : value / whole; }
 
+/// Returns the largest diagonal entry of the stiffness at the instant of loading, A + Σ A_j. Collective.
+double largest_stiffness(const fem::Operators& body) {
+  const petsc::Vector diagonal = fem::diagonal(body.A);
+  if (body.relaxation)
+    for (const fem::Relaxation::Stiffness& material : body.relaxation->stiffnesses()) {
+      double g = 0, k = 0;
+      for (const fem::Relaxation::Branch& branch :
+           body.relaxation->branches().subspan(material.first, material.count))
+        g += branch.g, k += branch.k;
+      for (const auto& [fraction, matrix] :
+           {std::pair(g, Mat(material.shear)), std::pair(k, Mat(material.bulk))})
+        if (matrix)
+          check(VecAXPY(diagonal, fraction, fem::diagonal(matrix)));
+    }
+  PetscReal largest = 0;
+  check(VecNorm(diagonal, NORM_INFINITY, &largest));
+  return largest;
+}
+
+/// Returns the norm of the displacements of a state, those of branches included. Collective.
+double size_of(const step::State& state) {
+  PetscReal size = 0;
+  check(VecNorm(state.y(), NORM_2, &size));
+  for (const petsc::Vector& q : state.q()) {
+    PetscReal one = 0;
+    check(VecNorm(q, NORM_2, &one));
+    size = std::max(size, one);
+  }
+  return size;
+}
+
 } // namespace
 
 Invariants::Invariants(const step::Stepper& stepper, const BodyFigures& body)
-    : stepper_(stepper), mass_(body.mass), crossing_(body.crossing) {
-  PetscReal largest = 0;
-  check(VecNorm(fem::diagonal(stepper.operators().A), NORM_INFINITY, &largest));
-  stiffness_ = largest;
-}
+    : stepper_(stepper), stiffness_(largest_stiffness(stepper.operators())), mass_(body.mass),
+      crossing_(body.crossing) {}
 
 void Invariants::observe(const trajectory::Frame& frame, const StepBalance& balance) {
-  // Rounding of Ay and y·Ay limits the accuracy of forces and energies. It is large where strains are small
-  // relative to the displacement, as for a stiff body in flight.
-  PetscReal size = 0;
-  check(VecNorm(frame.after.y(), NORM_2, &size));
+  // Rounding of Ay and y·Ay, of A_j q_j and q_j·A_j q_j, limits the accuracy of forces and energies. It is
+  // large where strains are small relative to the displacement, as for a stiff body in flight.
+  const double size = size_of(frame.after);
   const double rounding_of_forces = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size,
                rounding = rounding_of_forces * size;
   energy_ = std::max(energy_, balance.energy());

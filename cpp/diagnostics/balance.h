@@ -21,6 +21,8 @@ struct StepBalance {
   double foundation_energy = 0;   ///< ½ y·Ay at the end of the step, by the foundations' part of A
   double foundation_dissipation = 0; ///< τ w·Bw of the step, by the foundations' part of B
   double drag_dissipation = 0;       ///< τ w·Bw of the step, by the mass-proportional part of B
+  double relaxation_energy = 0;      ///< ½ Σ q_j·A_j q_j at the end of the step, over the branches
+  double relaxation_dissipation = 0; ///< Σ τ/t_j q̄_j·A_j q̄_j of the step, q̄_j = (q_j,k−1 + q_j,k)/2
   double external_work = 0;          ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
   double load_work = 0;              ///< work of the scene's loads alone
   double contact_work = 0;           ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
@@ -29,8 +31,10 @@ struct StepBalance {
   std::array<double, 3> momentum{};          ///< momentum at the end of the step, kg m/s
   std::array<double, 3> momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions
                                              ///< of clamps and surroundings
-  /// Returns the energy of the body and its foundations at the end of the step.
-  [[nodiscard]] double energy() const { return kinetic_energy + elastic_energy + foundation_energy; }
+  /// Returns the energy of the body, with its branches, and of its foundations at the end of the step.
+  [[nodiscard]] double energy() const {
+    return kinetic_energy + elastic_energy + foundation_energy + relaxation_energy;
+  }
   double momentum_scale =
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
@@ -61,11 +65,20 @@ public:
 
 private:
   struct Sums;
+  /// Forces of the branches of materials that relax.
+  struct Branches {
+    petsc::Series forces;      ///< A_j q_j at the end of the last frame's step
+    petsc::Vector mean;        ///< Σ A_j q̄_j of that step
+    petsc::Vector shear, bulk; ///< products of K_s and K_b of one material with w; zero if the matrix is null
+  };
   /// Adds the terms of the state at the end of the frame's step to `sums`. Collective.
   void add_state(const trajectory::Frame& frame, Sums& sums);
   /// Adds the terms of the frame's step to `sums`. Returns the work of the scene's loads alone, without the
   /// control. Collective.
   double add_step(const trajectory::Frame& frame, Sums& sums);
+  /// Sets the forces of the branches in the frame's step, and adds their energy and dissipation to `sums`.
+  /// w_ must be (y_k − y_{k−1})/τ. Collective.
+  void add_branches(const trajectory::Frame& frame, Sums& sums);
   /// Adds the forces and the dissipation of foundations and drag in the frame's step to `sums`. Collective.
   void add_surroundings(const trajectory::Frame& frame, Sums& sums);
 
@@ -74,6 +87,7 @@ private:
   petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, defect_;
   std::optional<step::ForceAtStep> loads_alone_;
   petsc::Vector foundation0_, foundation1_, dashpots_, drag_; ///< parts of Ay0_, Ay1_ and Bw_
+  std::optional<Branches> branches_;                          ///< absent unless a material relaxes
   double energy_ = 0;                                         ///< energy of the last frame
 };
 
@@ -118,7 +132,7 @@ public:
 
 private:
   const step::Stepper& stepper_;
-  double stiffness_ = 0;   ///< largest diagonal entry of A, an estimate of its norm
+  double stiffness_;       ///< largest diagonal entry of A + Σ A_j, an estimate of the norm
   double mass_, crossing_; ///< mass of the body, kg (in 2D kg/m); crossing time of a wave, s
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
   std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},

@@ -46,6 +46,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.kinetic_at_end = balance.kinetic_energy;
   energy_.elastic_at_end = balance.elastic_energy;
   energy_.foundation_at_end = balance.foundation_energy;
+  energy_.relaxation_at_end = balance.relaxation_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
@@ -68,6 +69,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.viscous_dissipation += balance.viscous_dissipation;
   energy_.foundation_dissipation += balance.foundation_dissipation;
   energy_.drag_dissipation += balance.drag_dissipation;
+  energy_.relaxation_dissipation += balance.relaxation_dissipation;
   energy_.residual += balance.energy_residual;
   if (impact_.obstacles.empty())
     return;

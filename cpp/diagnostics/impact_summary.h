@@ -74,6 +74,8 @@ struct EnergyAccount {
   double viscous_dissipation = 0;                          ///< dissipation by viscosity
   double foundation_at_start = 0, foundation_at_end = 0;   ///< energy of foundations
   double foundation_dissipation = 0, drag_dissipation = 0; ///< dissipation by dashpots and by mass damping
+  double relaxation_at_end = 0;                            ///< energy of branches, which start without any
+  double relaxation_dissipation = 0;                       ///< dissipation by relaxation
   double residual = 0;                                     ///< residual of the energy law
 };
 

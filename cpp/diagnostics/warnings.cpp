@@ -166,8 +166,10 @@ bool ContactResolution::whole_face(int obstacle, const Zone& zone) const {
 
 Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   double modulus = 0;
-  for (const scene::Material& material : scene_.materials)
-    modulus = std::max(modulus, material.young / (1 - material.poisson * material.poisson));
+  for (const scene::Material& material : scene_.materials) {
+    const auto [young, poisson] = material.instantaneous_constants();
+    modulus = std::max(modulus, young / (1 - poisson * poisson));
+  }
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const CandidateSpacing spacing = candidate_spacing(pairs, zone.candidate, zone.most, zone.force, modulus);
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
@@ -335,63 +337,6 @@ std::vector<Warning> StepWarnings::warnings() const {
   if (errors_)
     add(errors_->warnings());
   return found;
-}
-
-namespace {
-
-/// Largest ratio of the largest stress to the recovered stress on a mesh that resolves it.
-constexpr double resolved = 1.3;
-
-} // namespace
-
-LargestStress::LargestStress(const fem::Space& space, std::vector<fem::Part> parts)
-    : space_(space), parts_(std::move(parts)), y_(space.vector()), v_(space.vector()) {}
-
-void LargestStress::observe(fem::CellFields& fields, Vec y, Vec v, double t) {
-  const double now = fields.largest_von_mises().value;
-  if (!(now > largest_))
-    return;
-  largest_ = now;
-  time_ = t;
-  check(VecCopy(y, y_));
-  check(VecCopy(v, v_));
-  peak_.reset();
-}
-
-std::optional<LargestStress::Peak> LargestStress::peak() {
-  if (!peak_ && largest_ >= 0) {
-    fem::CellFields fields(space_, parts_);
-    fields.set(y_, v_);
-    peak_ = {fem::stress_peak(space_, parts_, fields), time_};
-  }
-  return peak_;
-}
-
-std::vector<Warning> LargestStress::warnings() {
-  const std::optional<Peak> found = peak();
-  if (!found || !(found->stress.largest.value > resolved * found->stress.recovered))
-    return {};
-  const fem::StressPeak& stress = found->stress;
-  const auto place = [&](const std::array<double, 3>& x) {
-    return point_text(x.data(), space_.dim()) + " m";
-  };
-  const double factor = stress.largest.value / stress.recovered;
-  std::string text = fmt::format("the largest von Mises stress, {:.4g} Pa in the cell at {}, is {:.3g} times "
-                                 "the value recovered from the neighbouring cells (limit {}). This stress "
-                                 "depends on the mesh",
-                                 stress.largest.value, place(stress.largest.at), factor, resolved);
-  if (stress.corner && stress.angle > fem::reentrant)
-    text += fmt::format(": with refinement it grows without bound at the corner {}, where the body fills "
-                        "{:.2g} of the full angle. Round the corner, or evaluate the stress elsewhere",
-                        place(*stress.corner), stress.angle);
-  else if (stress.corner)
-    text +=
-        fmt::format("; use smaller elements at {} to see whether the stress converges. Where a clamp, a load "
-                    "or contact ends, the stress does not converge",
-                    place(*stress.corner));
-  else
-    text += "; use smaller elements there to see whether the stress converges";
-  return {{stress_of_the_mesh, text, factor, resolved}};
 }
 
 } // namespace signorini::diagnostics

@@ -2,7 +2,6 @@
 #pragma once
 #include "base/error.h"
 #include "diagnostics/contact_forces.h"
-#include "fem/stress_recovery.h"
 #include "step/load.h"
 #include "step/step.h"
 #include "trajectory/step_errors.h"
@@ -125,42 +124,6 @@ private:
   Passage passage_;
   std::optional<trajectory::StepErrors> own_; ///< errors of steps that an earlier motion chose
   const trajectory::StepErrors* errors_;      ///< errors to warn of, given or *own_; null for equal steps
-};
-
-/// Name of the warning that the largest stress depends on the mesh.
-constexpr const char* stress_of_the_mesh = "stress of the mesh";
-
-/// Finds the largest von Mises stress of a motion, and checks whether the mesh resolves it. The mesh does not
-/// if the stresses of neighbouring cells are much smaller. An example is a sharp corner, where the stress
-/// grows without bound as the mesh is refined.
-class LargestStress {
-public:
-  /// Largest stress and its time.
-  struct Peak {
-    fem::StressPeak stress;
-    double time = 0; ///< time of the stress, s
-  };
-
-  /// Prepares the search in a body that consists of `parts`. Collective. `space` must outlive this object.
-  LargestStress(const fem::Space& space, std::vector<fem::Part> parts);
-
-  /// Takes the displacement y and velocity v at time `t` (s), which must be the state set last in `fields`.
-  /// Collective.
-  void observe(fem::CellFields& fields, Vec y, Vec v, double t);
-
-  /// Returns the largest stress so far; nothing before the first state. Collective.
-  [[nodiscard]] std::optional<Peak> peak();
-
-  /// Returns a warning if the mesh does not resolve the largest stress; it names the corner at which the
-  /// stress occurs, if there is one. Collective.
-  [[nodiscard]] std::vector<Warning> warnings();
-
-private:
-  const fem::Space& space_;
-  std::vector<fem::Part> parts_;
-  petsc::Vector y_, v_; ///< state of the largest stress so far
-  double largest_ = -1, time_ = 0;
-  std::optional<Peak> peak_; ///< peak of the state y_, v_, once computed
 };
 
 } // namespace signorini::diagnostics

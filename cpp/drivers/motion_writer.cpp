@@ -210,13 +210,13 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   write(Field::displacement, [&] { return now.state.y(); });
   write(Field::velocity, [&] { return now.state.v(); });
   if (cell_fields_)
-    cell_fields_->set(now.state.y(), now.state.v());
+    cell_fields_->set(now.state.y(), now.state.v(), now.state.q());
   for (const auto& [field, of_cells] : {std::pair{Field::strain, fem::CellField::strain},
                                         {Field::stress, fem::CellField::stress},
                                         {Field::von_mises, fem::CellField::von_mises}})
     write(field, [&] { return (*cell_fields_)(of_cells); });
   if (largest_stress_)
-    largest_stress_->observe(*cell_fields_, now.state.y(), now.state.v(), t);
+    largest_stress_->observe(*cell_fields_, now.state, t);
   write(Field::pressure, [&] {
     const double impulse = now.step.scheme().impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),

@@ -3,6 +3,7 @@
 #include "contact/obstacle_surface.h"
 #include "diagnostics/balance.h"
 #include "diagnostics/impact_summary.h"
+#include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
 #include "diagnostics/warnings.h"
 #include "io/csv_tables.h"

@@ -105,15 +105,21 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
 
 void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
   const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start,
-               end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end;
-  std::string text = fmt::format(
-      "energy, kinetic and elastic{}: {:.4g} {} at the start",
-      energy.foundation_at_start + energy.foundation_at_end > 0 ? ", with that of foundations" : "", start,
-      per_depth("J", dim));
+               end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end +
+                     energy.relaxation_at_end;
+  const bool foundations = energy.foundation_at_start > 0 || energy.foundation_at_end > 0,
+             branches = energy.relaxation_at_end > 0;
+  std::string text = fmt::format("energy, kinetic and elastic{}: {:.4g} {} at the start",
+                                 foundations && branches ? ", with that of foundations and branches"
+                                 : foundations           ? ", with that of foundations"
+                                 : branches              ? ", with that of branches"
+                                                         : "",
+                                 start, per_depth("J", dim));
   constexpr double rounding = 1e-12;
   const double largest =
       std::max({start, std::abs(energy.load_work), std::abs(energy.other_work), std::abs(energy.contact_work),
-                energy.viscous_dissipation, energy.foundation_dissipation, energy.drag_dissipation});
+                energy.viscous_dissipation, energy.foundation_dissipation, energy.drag_dissipation,
+                energy.relaxation_dissipation});
   const auto add = [&](const char* by, double work) {
     if (std::abs(work) > rounding * largest)
       text += fmt::format(", {:+.4g} by {}", work, by);
@@ -124,9 +130,12 @@ void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<s
   add("viscosity", -energy.viscous_dissipation);
   add("dashpots of foundations", -energy.foundation_dissipation);
   add("mass damping", -energy.drag_dissipation);
+  add("relaxation", -energy.relaxation_dissipation);
   text += fmt::format(": {:.4g} at the end, {:.4g} of it elastic", end, energy.elastic_at_end);
-  if (energy.foundation_at_start > 0 || energy.foundation_at_end > 0)
+  if (foundations)
     text += fmt::format(", {:.4g} in foundations", energy.foundation_at_end);
+  if (branches)
+    text += fmt::format(", {:.4g} in branches", energy.relaxation_at_end);
   lines.push_back(std::move(text));
 }
 

@@ -2,23 +2,16 @@
 #include "fem/forms.h"
 #include "base/collective.h"
 #include "base/digest.h"
-#include "base/dolfinx_versions.h"
 #include "base/text.h"
 #include "base/timers.h"
-#include "fem/function.h"
-#include "viscoelasticity_tetrahedron_1.h"
-#include "viscoelasticity_tetrahedron_2.h"
-#include "viscoelasticity_triangle_1.h"
-#include "viscoelasticity_triangle_2.h"
+#include "fem/compiled_forms.h"
 #include <algorithm>
-#include <array>
-#include <dolfinx/fem/Expression.h>
 #include <dolfinx/fem/petsc.h>
 #include <dolfinx/la/petsc.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
-#include <stdexcept>
+#include <numeric>
 
 namespace signorini::fem {
 
@@ -69,95 +62,12 @@ std::vector<Part> parts(const mesh::Mesh& mesh, const std::vector<scene::Materia
 
 namespace {
 
-/// Generated code of all forms, in the order of enum Form, and of all fields, in the order of enum CellField.
-struct Generated {
-  std::array<const ufcx_form*, 15> forms;
-  std::array<const ufcx_expression*, 3> fields;
-};
-constexpr std::array names{
-    "L2",        "L2_surface", "L2_cellwise", "L2_cellwise_surface", "springs", "m",    "a", "b", "d",
-    "d_elastic", "m_rho",      "a_young",     "a_poisson",           "b_kappa", "b_eta"};
-
-#define SIGNORINI_GENERATED(cell, degree)                                                                    \
-  Generated {                                                                                                \
-    {form_viscoelasticity_##cell##_##degree##_L2,                                                            \
-     form_viscoelasticity_##cell##_##degree##_L2_surface,                                                    \
-     form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                   \
-     form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                           \
-     form_viscoelasticity_##cell##_##degree##_springs,                                                       \
-     form_viscoelasticity_##cell##_##degree##_m,                                                             \
-     form_viscoelasticity_##cell##_##degree##_a,                                                             \
-     form_viscoelasticity_##cell##_##degree##_b,                                                             \
-     form_viscoelasticity_##cell##_##degree##_d,                                                             \
-     form_viscoelasticity_##cell##_##degree##_d_elastic,                                                     \
-     form_viscoelasticity_##cell##_##degree##_m_rho,                                                         \
-     form_viscoelasticity_##cell##_##degree##_a_young,                                                       \
-     form_viscoelasticity_##cell##_##degree##_a_poisson,                                                     \
-     form_viscoelasticity_##cell##_##degree##_b_kappa,                                                       \
-     form_viscoelasticity_##cell##_##degree##_b_eta},                                                        \
-    {                                                                                                        \
-      expression_viscoelasticity_##cell##_##degree##_strain,                                                 \
-          expression_viscoelasticity_##cell##_##degree##_stress,                                             \
-          expression_viscoelasticity_##cell##_##degree##_von_mises                                           \
-    }                                                                                                        \
-  }
-
-Generated generated(int dim, int degree) {
-  if (dim == 2 && degree == 1)
-    return SIGNORINI_GENERATED(triangle, 1);
-  if (dim == 2 && degree == 2)
-    return SIGNORINI_GENERATED(triangle, 2);
-  if (dim == 3 && degree == 1)
-    return SIGNORINI_GENERATED(tetrahedron, 1);
-  if (dim == 3 && degree == 2)
-    return SIGNORINI_GENERATED(tetrahedron, 2);
-  throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
-}
-
-using Compiled = dolfinx::fem::Form<PetscScalar, double>;
-
-using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<PetscScalar>>>;
-
-/// Constants of forms and fields, by their names in forms/viscoelasticity.py. A material without viscosity
-/// has the viscosities zero.
-Constants constants(const scene::Material& material, double tau, const Springs& springs = {}) {
-  const auto constant = [](double value) {
-    return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
-  };
-  const scene::Viscosity viscosity = material.total_viscosity();
-  return {{"rho", constant(material.density)},     {"young", constant(material.young)},
-          {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
-          {"eta", constant(viscosity.shear)},      {"tau", constant(tau)},
-          {"k_normal", constant(springs.normal)},  {"k_tangential", constant(springs.tangential)}};
-}
-
-/// Compiles a form over `entities`: cells, or facets given as pairs of a cell and the facet's number in this
-/// cell.
-Compiled compile(const Space& space, Form form, const scene::Material& material, double tau,
-                 const std::vector<std::int32_t>& entities, const Springs& springs = {}) {
-  using enum dolfinx::fem::IntegralType;
-  const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
-  const bool surface = form == Form::L2_surface || form == Form::L2_cellwise_surface || form == Form::springs;
-  const auto type = surface ? exterior_facet : cell;
-  const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
-  const ufcx_form& code = *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form));
-  // Check the generated code, since dolfinx leaves out integrals without entities.
-  constexpr int types = 3; // cells, exterior and interior facets
-  const int at = code.form_integral_offsets[static_cast<int>(type)];
-  if (code.form_integral_offsets[types] != 1 || at != 0 ||
-      code.form_integral_offsets[static_cast<int>(type) + 1] != 1 || code.form_integral_ids[at] != 1)
-    throw std::runtime_error(
-        "forms/viscoelasticity.py: a form must use the measure dx(1) alone, a form on a surface ds(1) alone");
-  return dolfinx::fem::create_form<PetscScalar, double>(
-      code, {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants(material, tau, springs),
-      {{type, {{1, entities}}}}, {});
-}
-
-void add(const Space& space, Form form, const scene::Material& material, double tau,
-         const std::vector<std::int32_t>& entities, Mat matrix, const Springs& springs = {}) {
-  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
+/// Adds a form over `entities` to a matrix.
+void add(const Space& space, Form form, const std::vector<std::int32_t>& entities,
+         const ConstantValues& values, Mat matrix) {
+  ++count(std::string("assembled ") + name(form));
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES),
-                                compile(space, form, material, tau, entities, springs), {});
+                                compile(space, form, entities, values), {});
 }
 
 void finish(Mat matrix) {
@@ -166,13 +76,29 @@ void finish(Mat matrix) {
 }
 
 /// Creates a matrix without values, with the nonzero pattern of a form over all parts. Collective.
-petsc::Matrix empty(const Space& space, Form form, const std::vector<Part>& parts, double tau,
-                    const char* type) {
+petsc::Matrix empty(const Space& space, Form form, const std::vector<Part>& parts, const char* type) {
   std::vector<std::int32_t> all;
   for (const Part& part : parts)
     all.insert(all.end(), part.cells.begin(), part.cells.end());
   std::ranges::sort(all);
-  return petsc::Matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
+  return petsc::Matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, all, {}), type));
+}
+
+/// Creates a matrix in blocks (BAIJ) with the nonzero pattern of a form over `cells`, and stores zeros on its
+/// whole diagonal: without them PETSc does not convert a matrix to its upper half. Collective.
+petsc::Matrix empty_with_diagonal(const Space& space, Form form, const std::vector<std::int32_t>& cells) {
+  dolfinx::la::SparsityPattern pattern =
+      dolfinx::fem::create_sparsity_pattern(compile(space, form, cells, {}));
+  std::vector<std::int32_t> nodes(static_cast<std::size_t>(space.owned_nodes()));
+  std::iota(nodes.begin(), nodes.end(), 0);
+  pattern.insert_diagonal(nodes);
+  pattern.finalize();
+  petsc::Matrix matrix(dolfinx::la::petsc::create_matrix(space.comm(), pattern, MATBAIJ));
+  auto insert = dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES);
+  const std::vector<PetscScalar> zeros(static_cast<std::size_t>(space.dim() * space.dim()), 0);
+  for (const std::int32_t& node : nodes)
+    insert(std::span(&node, 1), std::span(&node, 1), zeros);
+  return matrix;
 }
 
 petsc::Matrix symmetric(petsc::Matrix matrix) {
@@ -202,10 +128,8 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
 
 /// Assembles a form that has no material constants over `entities` (AIJ). Collective.
 petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std::int32_t>& entities) {
-  constexpr double no_tau = 0;
-  petsc::Matrix matrix(
-      dolfinx::fem::petsc::create_matrix(compile(space, form, {}, no_tau, entities), MATAIJ));
-  add(space, form, {}, no_tau, entities, matrix);
+  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, entities, {}), MATAIJ));
+  add(space, form, entities, {}, matrix);
   finish(matrix);
   return matrix;
 }
@@ -244,10 +168,12 @@ std::string forms_digest(int dim, int degree) {
 
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type) {
-  petsc::Matrix matrix = empty(space, form, parts, tau, type);
+  petsc::Matrix matrix = empty(space, form, parts, type);
+  const bool of_a_step = form == Form::d;
   for (const Part& part : parts) {
     const bool elastic = !part.material.viscous();
-    add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
+    add(space, of_a_step && elastic ? Form::d_elastic : form, part.cells,
+        of_a_step ? of_step(part.material, tau) : of_material(part.material), matrix);
   }
   finish(matrix);
   return symmetric(space.layout().extended(std::move(matrix), of_virtual_nodes(space, form, tau)));
@@ -255,8 +181,7 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
 
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
                            const char* type) {
-  constexpr double no_tau = 0;
-  petsc::Matrix matrix = empty(space, form, parts, no_tau, type);
+  petsc::Matrix matrix = empty(space, form, parts, type);
   auto insert = dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES);
   std::vector<PetscScalar> zeros;
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -267,8 +192,17 @@ petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part
             zeros.assign(values.size(), 0);
             return insert(rows, columns, std::span<const PetscScalar>(zeros));
           },
-          compile(space, form, parts[i].material, no_tau, parts[i].cells), {});
-  add(space, form, parts[part].material, no_tau, parts[part].cells, matrix);
+          compile(space, form, parts[i].cells, of_material(parts[i].material)), {});
+  add(space, form, parts[part].cells, of_material(parts[part].material), matrix);
+  finish(matrix);
+  return symmetric(space.layout().extended(std::move(matrix)));
+}
+
+petsc::Matrix assemble_elasticity(const Space& space, const std::vector<Part>& parts, std::size_t part,
+                                  scene::ElasticModuli moduli) {
+  const std::vector<std::int32_t>& cells = parts[part].cells;
+  petsc::Matrix matrix = empty_with_diagonal(space, Form::b, cells);
+  add(space, Form::b, cells, of_moduli(moduli), matrix);
   finish(matrix);
   return symmetric(space.layout().extended(std::move(matrix)));
 }
@@ -282,14 +216,13 @@ std::vector<std::int32_t> sides(const Space& space, const std::string& group, co
 }
 
 petsc::Matrix assemble_springs(const Space& space, const std::vector<Springs>& surfaces) {
-  constexpr double no_tau = 0;
   std::vector<std::int32_t> all;
   for (const Springs& surface : surfaces)
     all.insert(all.end(), surface.facets.begin(), surface.facets.end());
-  petsc::Matrix matrix(
-      dolfinx::fem::petsc::create_matrix(compile(space, Form::springs, {}, no_tau, all), MATBAIJ));
+  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, Form::springs, all, {}), MATBAIJ));
   for (const Springs& surface : surfaces)
-    add(space, Form::springs, {}, no_tau, surface.facets, matrix, surface);
+    add(space, Form::springs, surface.facets,
+        {.k_normal = surface.normal, .k_tangential = surface.tangential}, matrix);
   finish(matrix);
   return symmetric(space.layout().extended(std::move(matrix)));
 }
@@ -299,79 +232,6 @@ petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::str
   return space.layout().extended(
       group ? assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface)
             : assemble_over(space, Form::L2_cellwise, space.mesh().owned_cells()));
-}
-
-struct CellFields::Expressions {
-  using Expression = dolfinx::fem::Expression<PetscScalar, double>;
-  const Space& space;
-  std::vector<Part> parts;
-  std::shared_ptr<Function> displacement, velocity;
-
-  struct Field {
-    Function values;
-    std::vector<Expression> of_parts;
-    bool current = false; ///< whether `values` belong to the state last set
-  };
-  std::map<CellField, Field> fields; ///< fields evaluated so far
-
-  Field& of(CellField field) {
-    if (const auto found = fields.find(field); found != fields.end())
-      return found->second;
-    const std::map<std::string, std::shared_ptr<const Function>> motion{{"displacement", displacement},
-                                                                        {"velocity", velocity}};
-    const ufcx_expression& code =
-        *generated(space.dim(), space.degree()).fields.at(static_cast<std::size_t>(field));
-    constexpr double no_tau = 0;
-    Field made{Function(cellwise(space.mesh(), shape(field))), {}, false};
-    for (const Part& part : parts)
-      made.of_parts.push_back(
-          dolfinx_versions::create_expression(code, motion, constants(part.material, no_tau)));
-    return fields.emplace(field, std::move(made)).first->second;
-  }
-
-  /// Returns the values of a field for the state last set, computing them if they are not current.
-  const Function& now(CellField field) {
-    Field& found = of(field);
-    for (std::size_t i = 0; !found.current && i < found.of_parts.size(); ++i)
-      found.values.interpolate(found.of_parts[i], parts[i].cells);
-    found.current = true;
-    return found.values;
-  }
-};
-
-CellFields::CellFields(const Space& space, const std::vector<Part>& parts)
-    : expressions_(new Expressions{space,
-                                   parts,
-                                   std::make_shared<Function>(space.dolfinx()),
-                                   std::make_shared<Function>(space.dolfinx()),
-                                   {}}) {}
-
-CellFields::~CellFields() = default;
-
-Shape CellFields::shape(CellField field) { return field == CellField::von_mises ? Shape{} : Shape{3, 3}; }
-
-void CellFields::set(Vec y, Vec v) {
-  fem::set(*expressions_->displacement, petsc::ReadArray(y));
-  fem::set(*expressions_->velocity, petsc::ReadArray(v));
-  for (auto& [name, field] : expressions_->fields)
-    field.current = false;
-}
-
-std::span<const double> CellFields::operator()(CellField field) {
-  const Function& values = expressions_->now(field);
-  const auto& dofmap = *values.function_space()->dofmap();
-  return std::span<const double>(values.x()->array())
-      .first(static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
-}
-
-Largest CellFields::largest_von_mises() {
-  const Function& values = expressions_->now(CellField::von_mises);
-  std::vector<double> of_cells;
-  for (const std::int32_t cell : expressions_->space.mesh().owned_cells()) {
-    const std::int32_t place = values.function_space()->dofmap()->cell_dofs(cell)[0];
-    of_cells.push_back(values.x()->array()[static_cast<std::size_t>(place)]);
-  }
-  return largest(expressions_->space, of_cells);
 }
 
 } // namespace signorini::fem

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/petsc.h"
-#include "fem/deformation.h"
 #include "fem/space.h"
 #include "mesh/mesh.h"
 #include "scene/scene.h"
 #include <cstdint>
-#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace signorini::fem {
@@ -49,8 +48,9 @@ std::string forms_digest(int dim, int degree);
 /// Assembles a form over the cells of the body's parts for a time step `tau`, s, without boundary conditions.
 /// Returns a symmetric matrix of PETSc type `type` (AIJ or BAIJ) on V, whose block size is the space
 /// dimension. In a part without viscosity d is replaced by d_elastic, and the entries of b are stored zeros:
-/// all forms have the same nonzero pattern. Collective. Throws std::runtime_error if the form has a constant
-/// that the program does not provide, or has a measure other than dx(1).
+/// all forms have the same nonzero pattern. The moduli of a material that relaxes are those after relaxation
+/// or, in the form d, those of Material::during_step(). Collective. Throws std::runtime_error if the form has
+/// a constant that the program does not provide, or has a measure other than dx(1).
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type);
 
@@ -58,6 +58,12 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
 /// nonzero pattern of all parts, with stored zeros elsewhere. Collective.
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
                            const char* type);
+
+/// Assembles the stiffness against `moduli` (Pa) of the part with the number `part`: the form b with bulk and
+/// shear modulus as κ and η. The matrix, in blocks (BAIJ), has entries between nodes of the part's cells, and
+/// stored zeros on the rest of its diagonal. Collective.
+petsc::Matrix assemble_elasticity(const Space& space, const std::vector<Part>& parts, std::size_t part,
+                                  scene::ElasticModuli moduli);
 
 /// Assembles the L2 product on V over a group of cells or facets (AIJ). Entries are nonzero only for nodes
 /// of the group's cells or, for a group of facets, of the cells with a facet in the group. Collective. Throws
@@ -83,39 +89,5 @@ petsc::Matrix assemble_springs(const Space& space, const std::vector<Springs>& s
 /// mesh::Mesh::group_dimension does.
 petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
                                 const std::string& key);
-
-/// Fields of forms/viscoelasticity.py, by their names in that file; docs/method.md section 1.
-enum class CellField { strain, stress, von_mises };
-
-/// Cellwise constant fields of a state of motion: the mean of strain or stress over each cell, and the von
-/// Mises stress of the mean stress.
-class CellFields {
-public:
-  /// Sets up the fields for the parts of the body, which have one material each. Collective. Throws
-  /// std::runtime_error if a field has a coefficient or constant that the program does not provide.
-  CellFields(const Space& space, const std::vector<Part>& parts);
-  ~CellFields();
-  CellFields(const CellFields&) = delete;
-  CellFields& operator=(const CellFields&) = delete;
-
-  /// Shape of a field's value in one cell: (3, 3) for a tensor, also in the plane; empty for the von Mises
-  /// stress.
-  [[nodiscard]] static Shape shape(CellField field);
-
-  /// Sets the displacement y (m) and the velocity v (m/s) from which the fields are computed. Collective.
-  void set(Vec y, Vec v);
-
-  /// Values of a field (strain, or Pa) for the state last set, for each cell that this rank owns; a tensor
-  /// has nine values per cell, row by row. The span is valid until the next call for the same field.
-  /// Collective.
-  [[nodiscard]] std::span<const double> operator()(CellField field);
-
-  /// Largest von Mises stress (Pa) for the state last set. Collective.
-  [[nodiscard]] Largest largest_von_mises();
-
-private:
-  struct Expressions;
-  std::unique_ptr<Expressions> expressions_;
-};
 
 } // namespace signorini::fem

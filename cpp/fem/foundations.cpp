@@ -25,6 +25,22 @@ Springs impedances(const scene::Material& material) {
   return {material.density * pressure, material.density * shear};
 }
 
+/// Whether impedances() depend on a constant of the material. On fractions of a Prony series they depend only
+/// if the long-term moduli are given, from which the instantaneous ones follow.
+bool impedances_depend_on(scene::Parameter of, const scene::Material& material) {
+  switch (of) {
+  case scene::Parameter::density:
+  case scene::Parameter::young:
+  case scene::Parameter::poisson:
+    return true;
+  case scene::Parameter::prony_g:
+  case scene::Parameter::prony_k:
+    return material.moduli == scene::Moduli::long_term;
+  default:
+    return false;
+  }
+}
+
 /// Derivatives of impedances() by a constant of the material.
 Springs impedance_rates(const scene::Material& material, scene::Parameter of) {
   const Springs now = impedances(material);
@@ -32,13 +48,27 @@ Springs impedance_rates(const scene::Material& material, scene::Parameter of) {
   const auto scaled = [&](double normal, double tangential) {
     return Springs{now.normal * normal, now.tangential * tangential};
   };
+  // By the logarithmic derivatives of K_0 and G_0, since (ρ c_p)² = ρ (K_0 + 4/3 G_0) and (ρ c_s)² = ρ G_0.
+  const auto by_moduli = [&](double bulk, double shear) {
+    const auto [K, G] = material.instantaneous();
+    const double part = K / (K + 4.0 / 3 * G);
+    return scaled((part * bulk + (1 - part) * shear) / 2, shear / 2);
+  };
+  const scene::ElasticModuli given = material.given();
   switch (of) {
   case scene::Parameter::density:
     return scaled(1 / (2 * material.density), 1 / (2 * material.density));
   case scene::Parameter::young:
     return scaled(1 / (2 * material.young), 1 / (2 * material.young));
-  case scene::Parameter::poisson: // half the logarithmic derivatives of the moduli
+  case scene::Parameter::poisson:
+    if (material.moduli == scene::Moduli::long_term)
+      return by_moduli(2 / (1 - 2 * nu), -1 / (1 + nu));
+    // Half the logarithmic derivatives of the moduli.
     return scaled((-1 / (1 - nu) - 1 / (1 + nu) + 2 / (1 - 2 * nu)) / 2, -1 / (2 * (1 + nu)));
+  case scene::Parameter::prony_k: // K_0 = K / (1 − Σk)
+    return by_moduli(material.instantaneous().bulk / given.bulk, 0);
+  case scene::Parameter::prony_g:
+    return by_moduli(0, material.instantaneous().shear / given.shear);
   default:
     throw std::logic_error("impedances do not depend on this parameter");
   }
@@ -117,6 +147,8 @@ petsc::Matrix assemble_foundation_rate(const Space& space, const std::vector<sce
 petsc::Matrix assemble_absorption_rate(const Space& space, const std::vector<scene::Foundation>& foundations,
                                        const std::vector<scene::Material>& materials, std::size_t material,
                                        scene::Parameter of) {
+  if (!impedances_depend_on(of, materials[material]))
+    return {};
   std::vector<Springs> all;
   add_absorbing(
       space, foundations, materials,

@@ -21,8 +21,9 @@ petsc::Matrix assemble_dashpots(const Space& space, const std::vector<scene::Fou
 petsc::Matrix assemble_foundation_rate(const Space& space, const std::vector<scene::Foundation>& foundations,
                                        std::size_t number, bool normal);
 
-/// Assembles the derivative of the absorbing dashpots by density, Young's modulus or Poisson's ratio of the
-/// material with the number `material`, in blocks (BAIJ); null without absorbing foundations. Collective.
+/// Assembles the derivative of the absorbing dashpots by the constant `of` of the material with the number
+/// `material`, in blocks (BAIJ); null if they do not depend on it, or without absorbing foundations.
+/// Collective.
 petsc::Matrix assemble_absorption_rate(const Space& space, const std::vector<scene::Foundation>& foundations,
                                        const std::vector<scene::Material>& materials, std::size_t material,
                                        scene::Parameter of);

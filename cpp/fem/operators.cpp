@@ -197,6 +197,8 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
     add_part(B, 1, operators.drag);
     operators.B = symmetric_half(B);
   }
+  if (std::ranges::any_of(materials, &scene::Material::relaxes))
+    operators.relaxation.emplace(space, materials);
   if (densities) {
     operators.W = one_for_all(assemble(space, Form::L2, body, no_tau, MATAIJ));
     operators.uniform_density = ratio(operators.M, *operators.W);

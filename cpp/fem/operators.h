@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fem/forms.h"
+#include "fem/relaxation.h"
 #include "linalg/threaded_product.h"
 #include <optional>
 
@@ -53,6 +54,9 @@ struct Operators {
 
   bool viscous = false; ///< whether B has the form b of a material
 
+  /// Branches of the materials that relax; absent if no material does. A has the long-term moduli.
+  std::optional<Relaxation> relaxation;
+
   /// Whether forces of the surroundings depend on the body's motion, so that no rigid motion is free.
   [[nodiscard]] bool surrounded() const { return foundation_A || foundation_B || drag; }
   /// Adds the terms of the surroundings to a step operator D for the time step `tau`, s: drag, dashpots and
@@ -86,8 +90,9 @@ void attach_rigid_motions(Mat matrix, const Space& space);
 petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 
 /// Assembles the step operator D (docs/method.md section 1) from the form d for the time step `tau`, s, in
-/// blocks (BAIJ), without Operators::add_surroundings(); parts without viscosity use d_elastic. Collective.
-/// Throws as assemble_operators does.
+/// blocks (BAIJ), without Operators::add_surroundings(); parts without viscosity use d_elastic. The moduli of
+/// materials that relax are those of a step of length `tau`, Material::during_step(). Collective. Throws as
+/// assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 

@@ -92,14 +92,6 @@ struct Cell {
   std::array<Point, 4> x{};
 };
 
-double von_mises(const Tensor& stress) {
-  const double mean = (stress[0] + stress[4] + stress[8]) / 3;
-  double square = 0;
-  for (std::size_t c = 0; c < stress.size(); ++c)
-    square += std::pow(stress[c] - (c % 4 == 0 ? mean : 0), 2);
-  return std::sqrt(1.5 * square);
-}
-
 /// Cells that this rank owns.
 class OwnedCells {
 public:

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "fem/forms.h"
+#include "fem/cell_fields.h"
 #include "mesh/size_field.h"
 
 namespace signorini::fem {
 
 /// Error estimate for a computed stress σ by recovery (Zienkiewicz, Zhu 1987): the energy ½ ∫ (σ* − σ) : (ε*
 /// − ε) in each cell. The recovered fields σ* and ε* are linear; their values at a node are the means,
-/// weighted by volume, over the cells of one material at that node. Valid for displacements of degree 1.
+/// weighted by volume, over the cells of one material at that node. Valid for displacements of degree 1. The
+/// stress is the elastic one; that of branches (Relaxation) is left out.
 class StressRecovery {
 public:
   /// Sets up the estimate for the parts of the body. Collective.

@@ -38,7 +38,8 @@ double least_height(const mesh::Mesh& mesh, std::int32_t cell) {
 } // namespace
 
 std::array<double, 2> wave_speeds(const scene::Material& material) {
-  const double nu = material.poisson, shear = material.young / (2 * (1 + nu)) / material.density;
+  const auto [young, nu] = material.instantaneous_constants();
+  const double shear = young / (2 * (1 + nu)) / material.density;
   return {std::sqrt(shear * 2 * (1 - nu) / (1 - 2 * nu)), std::sqrt(shear)};
 }
 

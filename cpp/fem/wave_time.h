@@ -7,7 +7,8 @@
 
 namespace signorini::fem {
 
-/// Speeds of pressure waves and of shear waves in a material, m/s.
+/// Speeds of pressure waves and of shear waves in a material, m/s; with the moduli at the instant of loading
+/// if it relaxes.
 std::array<double, 2> wave_speeds(const scene::Material& material);
 
 /// Time in which the fastest pressure wave crosses the longest side of the undeformed body's bounding box, s.

@@ -17,7 +17,8 @@ constexpr const char* axes[] = {"x", "y", "z"};
 
 StepsColumns StepsColumns::of(const scene::Scene& scene, bool tracking) {
   return {tracking, !scene.foundations.empty(),
-          std::ranges::any_of(scene.materials, &scene::Material::dragged)};
+          std::ranges::any_of(scene.materials, &scene::Material::dragged),
+          std::ranges::any_of(scene.materials, &scene::Material::relaxes)};
 }
 
 std::string steps_header(int dim, const StepsColumns& columns) {
@@ -26,10 +27,11 @@ std::string steps_header(int dim, const StepsColumns& columns) {
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
   return text + fmt::format("active,weak,min_gap,vi_iterations,momentum_residual,complementarity{},"
-                            "normal_force,load_work{}{}\n",
+                            "normal_force,load_work{}{}{}\n",
                             columns.tracking ? ",tracking_error" : "",
                             columns.foundation ? ",foundation_energy,foundation_dissipation" : "",
-                            columns.drag ? ",drag_dissipation" : "");
+                            columns.drag ? ",drag_dissipation" : "",
+                            columns.relaxation ? ",relaxation_energy,relaxation_dissipation" : "");
 }
 
 void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
@@ -53,6 +55,8 @@ void add_steps_row(std::string& text, const StepsColumns& columns, int k, double
     fmt::format_to(out, ",{},{}", balance.foundation_energy, balance.foundation_dissipation);
   if (columns.drag)
     fmt::format_to(out, ",{}", balance.drag_dissipation);
+  if (columns.relaxation)
+    fmt::format_to(out, ",{},{}", balance.relaxation_energy, balance.relaxation_dissipation);
   text += '\n';
 }
 

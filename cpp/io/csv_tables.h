@@ -20,6 +20,7 @@ struct StepsColumns {
   bool tracking = false;   ///< tracking error, in runs with an objective
   bool foundation = false; ///< energy and dissipation of foundations
   bool drag = false;       ///< dissipation by mass damping
+  bool relaxation = false; ///< energy and dissipation of branches of a Prony series
 
   /// Columns of a scene; `tracking`: whether the run has an objective.
   static StepsColumns of(const scene::Scene& scene, bool tracking);

@@ -28,6 +28,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"several materials", scene.materials.size() > 1},
       {"viscosity", viscous},
       {"mass damping", std::ranges::any_of(scene.materials, &scene::Material::dragged)},
+      {"relaxation", scene.relaxes()},
       {"foundation", !scene.foundations.empty()},
       {"clamp", !scene.clamps.empty()},
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
@@ -155,6 +156,10 @@ ordered_json energy_json(const diagnostics::EnergyAccount& energy, const StepsCo
   }
   if (columns.drag)
     json["drag_dissipation"] = energy.drag_dissipation;
+  if (columns.relaxation) {
+    json["relaxation_dissipation"] = energy.relaxation_dissipation;
+    json["relaxation_at_end"] = energy.relaxation_at_end;
+  }
   return json;
 }
 

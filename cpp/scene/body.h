@@ -68,14 +68,53 @@ struct Rayleigh {
   double beta = 0;  ///< β, s
 };
 
+/// Young's modulus and Poisson's ratio of an isotropic material.
+struct ElasticConstants {
+  double young = 0, poisson = 0; ///< Pa; without unit
+};
+
+/// Bulk and shear modulus of an isotropic material.
+struct ElasticModuli {
+  double bulk = 0, shear = 0; ///< Pa
+
+  /// Returns Young's modulus of these moduli, Pa.
+  [[nodiscard]] double young() const;
+  /// Returns Poisson's ratio of these moduli.
+  [[nodiscard]] double poisson() const;
+};
+
+/// Branch of a Prony series: a spring and a dashpot in series, parallel to the long-term elasticity;
+/// docs/method.md section 1.
+struct Branch {
+  double g = 0;    ///< fraction of the instantaneous shear modulus
+  double k = 0;    ///< fraction of the instantaneous bulk modulus
+  double time = 0; ///< relaxation time t, s
+};
+
+/// Coefficients of the midpoint rule for the internal displacement q of a branch, q̇ = v − q/t: at the end of
+/// a step from y_{k−1} to y_k it is q_k = decay q_{k−1} + gain (y_k − y_{k−1}).
+struct BranchStep {
+  double gain, decay;
+};
+/// Computes the coefficients of a step of length `tau`, s, for a branch with the relaxation time `time`, s.
+inline BranchStep branch_step(double tau, double time) {
+  const double gain = 1 / (1 + tau / (2 * time));
+  return {gain, 2 * gain - 1};
+}
+
 /// Table [material], or one of [[material]].
 struct Material {
-  std::optional<std::string> on;      ///< physical group of its cells; absent: the whole body
-  double density = 0;                 ///< ρ, kg/m³
-  double young = 0;                   ///< E, Pa
-  double poisson = 0;                 ///< ν
-  std::optional<Viscosity> viscosity; ///< absent: elastic
-  std::optional<Rayleigh> rayleigh;   ///< absent: none
+  std::optional<std::string> on;         ///< physical group of its cells; absent: the whole body
+  double density = 0;                    ///< ρ, kg/m³
+  double young = 0;                      ///< E of the moduli that `moduli` names, Pa
+  double poisson = 0;                    ///< ν of the same moduli
+  std::optional<Viscosity> viscosity;    ///< absent: elastic
+  std::optional<Rayleigh> rayleigh;      ///< absent: none
+  std::vector<Branch> prony;             ///< branches of the Prony series; empty: no relaxation
+  Moduli moduli = Moduli::instantaneous; ///< meaning of `young` and `poisson`; instantaneous without `prony`
+
+  /// Limit of the sums Σg and Σk: 1, less the rounding of sums of decimal fractions.
+  static constexpr double most_relaxed = 1 - 1e-9;
 
   /// Whether the stress depends on the strain rate.
   [[nodiscard]] bool viscous() const { return viscosity || (rayleigh && rayleigh->beta > 0); }
@@ -83,7 +122,21 @@ struct Material {
   [[nodiscard]] double mass_damping() const { return rayleigh ? rayleigh->alpha : 0; }
   /// Whether mass-proportional damping acts.
   [[nodiscard]] bool dragged() const { return mass_damping() > 0; }
-  /// Sum of `viscosity` and the viscosity to which β A is equivalent: κ = β K, η = β μ.
+  /// Whether the stress relaxes, since the material has a Prony series.
+  [[nodiscard]] bool relaxes() const { return !prony.empty(); }
+  /// Returns the moduli of `young` and `poisson`.
+  [[nodiscard]] ElasticModuli given() const;
+  /// Returns the moduli at the instant of loading, K_0 and G_0.
+  [[nodiscard]] ElasticModuli instantaneous() const;
+  /// Returns the constants of instantaneous(): exactly `young` and `poisson` unless `moduli` is long_term.
+  [[nodiscard]] ElasticConstants instantaneous_constants() const;
+  /// Returns the moduli after relaxation, K_0 (1 − Σk) and G_0 (1 − Σg).
+  [[nodiscard]] ElasticModuli long_term() const;
+  /// Returns the moduli with which a step of length `tau`, s, resists a change of displacement: the long-term
+  /// ones plus those of each branch times its gain.
+  [[nodiscard]] ElasticModuli during_step(double tau) const;
+  /// Sum of `viscosity` and the viscosity to which β A is equivalent: κ = β K, η = β μ, with the long-term
+  /// moduli.
   [[nodiscard]] Viscosity total_viscosity() const;
 };
 

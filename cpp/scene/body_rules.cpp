@@ -5,15 +5,6 @@
 
 namespace signorini::scene {
 
-Viscosity Material::total_viscosity() const {
-  Viscosity total = viscosity.value_or(Viscosity{});
-  if (rayleigh) {
-    total.bulk += rayleigh->beta * young / (3 * (1 - 2 * poisson));
-    total.shear += rayleigh->beta * young / (2 * (1 + poisson));
-  }
-  return total;
-}
-
 void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
   const std::string extension = mesh.file.extension().string();
   const bool meshed = extension == ".msh";
@@ -26,6 +17,26 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
                                  mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
 }
 
+std::string excess_of_fractions(const Material& material) {
+  for (const auto& [name, fraction] : {std::pair{'g', &Branch::g}, {'k', &Branch::k}}) {
+    double sum = 0;
+    for (const Branch& branch : material.prony)
+      sum += branch.*fraction;
+    if (!(sum < Material::most_relaxed))
+      return fmt::format(
+          "fractions {} that add up to {:.10g}; expected a sum below 1, so that a long-term modulus remains",
+          name, sum);
+  }
+  return {};
+}
+
+void require_rules(Reader& in, const Branch& branch, const Scene&) {
+  if (branch.g + branch.k > 0)
+    return;
+  in.finish(); // reports a misspelt key, the likeliest reason
+  in.fail("", "found neither g nor k above 0, so that the branch has no effect; give one of them");
+}
+
 void require_rules(Reader& in, const Material& material, const Scene& scene) {
   if (in.one_of_several())
     in.require("on");
@@ -36,6 +47,10 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
     if (scene.materials[i].on == material.on)
       in.fail("on", fmt::format("found \"{}\", which is the group of material[{}]; choose another group",
                                 *material.on, i));
+  if (const std::string excess = excess_of_fractions(material); !excess.empty())
+    in.fail("prony", "found " + excess);
+  if (in.has("moduli") && !material.relaxes())
+    in.fail("moduli", "has no effect without prony; give a Prony series, or remove moduli");
 }
 
 void require_rules(Reader& in, const Foundation& foundation, const Scene& scene) {

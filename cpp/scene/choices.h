@@ -52,6 +52,10 @@ constexpr bool has_massless_candidates(ContactScheme scheme) {
 enum class ContactStart { outside, project };
 constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
 
+/// Meaning of a material's elastic constants: those at the instant of loading, or those after relaxation.
+enum class Moduli { instantaneous, long_term };
+constexpr Names<2> names(Moduli) { return {"instantaneous", "long-term"}; }
+
 /// Shapes of obstacles, in the order of scene::Obstacle.
 enum class Shape { half_space, ball, cylinder, signed_distance };
 constexpr Names<4> names(Shape) { return {"half-space", "ball", "cylinder", "signed-distance"}; }
@@ -72,6 +76,9 @@ enum class Parameter {
   shear,
   alpha,
   beta,
+  prony_g,
+  prony_k,
+  prony_time,
   density,
   displacement,
   velocity,
@@ -87,13 +94,16 @@ enum class Parameter {
   normal_damping,
   tangential_damping
 };
-constexpr Names<20> names(Parameter) {
+constexpr Names<23> names(Parameter) {
   return {"young",
           "poisson",
           "bulk",
           "shear",
           "rayleigh.alpha",
           "rayleigh.beta",
+          "prony.g",
+          "prony.k",
+          "prony.time",
           "density",
           "initial.displacement",
           "initial.velocity",

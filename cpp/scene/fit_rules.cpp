@@ -53,6 +53,19 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
                               of));
 }
 
+/// Throws UserError unless `material`, that of an unknown of a Prony series, has the branch of the unknown.
+void require_branch(Reader& in, const Unknown& unknown, const Material& material) {
+  const std::size_t count = material.prony.size();
+  if (count == 0)
+    in.fail("of", fmt::format("found \"{}\" of a material without prony; give the material a Prony series",
+                              name(unknown.of)));
+  require_where(in, "branch", count > 1, true, "");
+  if (unknown.branch && static_cast<std::size_t>(*unknown.branch) >= count)
+    in.fail("branch",
+            fmt::format("found {}; expected {}, since the material has {} branch{}", *unknown.branch,
+                        count == 1 ? "0" : fmt::format("0 to {}", count - 1), count, count == 1 ? "" : "es"));
+}
+
 /// Throws UserError unless the scene has the material, obstacle, field or load of the unknown.
 void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
@@ -77,6 +90,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
         !scene.materials[material_of(scene, unknown)].rayleigh)
       in.fail("of",
               fmt::format("found \"{}\" of a material without rayleigh; give the material this table", of));
+    if (of_branch(unknown.of))
+      require_branch(in, unknown, scene.materials[material_of(scene, unknown)]);
   } else if (of_foundation(unknown.of)) {
     std::vector<std::string> groups;
     for (const Foundation& foundation : scene.foundations)
@@ -128,8 +143,11 @@ void require_natural(const Reader& in, const char* key, double value, const Unkn
     in.fail(key, fmt::format("found {:.10g}; expected a number{}", value, possible.range()));
 }
 
-/// Whether two unknowns of the same kind belong to the same material, obstacle, group of tractions or load.
+/// Whether two unknowns of the same kind belong to the same material and branch, obstacle, group of tractions
+/// or load.
 bool same_target(const Scene& scene, const Unknown& a, const Unknown& b) {
+  if (of_branch(a.of) && branch_of(scene, a) != branch_of(scene, b))
+    return false;
   return of_material(a.of)     ? material_of(scene, a) == material_of(scene, b)
          : of_obstacle(a.of)   ? contact_of(scene, a) == contact_of(scene, b)
          : of_foundation(a.of) ? foundation_of(scene, a) == foundation_of(scene, b)
@@ -158,6 +176,14 @@ void require_component(const Reader& in, const Unknown& unknown, const Scene& sc
                                      name(*unknown.component), size));
 }
 
+/// Scale of an unknown whose table gives none: logarithmic for numbers of materials and foundations that have
+/// a unit.
+ParameterScale usual_scale(Parameter of) {
+  const bool fraction = of == Parameter::poisson || of == Parameter::prony_g || of == Parameter::prony_k;
+  return (of_material(of) && !fraction) || of_foundation(of) ? ParameterScale::logarithmic
+                                                             : ParameterScale::linear;
+}
+
 /// Throws UserError if the name of an unknown is also the name of a column of history.csv.
 void require_free_name(const Reader& in, const std::string& name) {
   constexpr std::array columns{"iteration",      "objective",     "decrement",  "damping",  "forward_sweeps",
@@ -180,18 +206,20 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
     in.fail("on", "has an effect only on materials, foundations and tractions; remove it");
   if (!of_obstacle(unknown.of) && in.has("obstacle"))
     in.fail("obstacle", "has an effect only on parameters of obstacles; remove it");
+  if (!of_branch(unknown.of) && in.has("branch"))
+    in.fail("branch", "has an effect only on parameters of a Prony series; remove it");
   std::string usual = name(unknown.of);
   if (unknown.component)
     usual += " " + name(*unknown.component);
+  if (unknown.branch)
+    usual += fmt::format(" {}", *unknown.branch);
   if (unknown.on || unknown.obstacle)
     usual += " of " + unknown.on.value_or(unknown.obstacle.value_or(""));
   unknown.name = unique_name(in, usual, scene.unknowns, "unknown");
   require_free_name(in, unknown.name);
   require_another(in, unknown, scene);
   if (!in.has("scale"))
-    unknown.scale = (of_material(unknown.of) && unknown.of != Parameter::poisson) || of_foundation(unknown.of)
-                        ? ParameterScale::logarithmic
-                        : ParameterScale::linear;
+    unknown.scale = usual_scale(unknown.of);
   require_component(in, unknown, scene);
   if (!in.has("start")) {
     const std::optional<double> own = value_in_scene(scene, unknown);
@@ -244,6 +272,28 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
     in.fail("noise", "found together with deviation; give only one of them");
 }
 
+std::string excess_of_fractions(const Scene& scene, std::span<const double> values) {
+  std::vector<Material> materials = scene.materials;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (const Unknown& unknown = scene.unknowns[i]; of_branch(unknown.of))
+      number_of(materials[material_of(scene, unknown)].prony.at(branch_of(scene, unknown)), unknown.of) =
+          values[i];
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    if (const std::string excess = excess_of_fractions(materials[i]); !excess.empty())
+      return fmt::format("material{}.prony with {}", materials.size() == 1 ? "" : fmt::format("[{}]", i),
+                         excess);
+  return {};
+}
+
+void require_possible(const Scene& scene, std::span<const double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (const Limits possible = limits(scene.unknowns[i]); !possible.contain(values[i]))
+      throw UserError(fmt::format("{}: the unknown \"{}\" is {:.10g}; expected a number{}",
+                                  scene.file.string(), scene.unknowns[i].name, values[i], possible.range()));
+  if (const std::string excess = excess_of_fractions(scene, values); !excess.empty())
+    throw UserError(fmt::format("{}: the unknowns give {}", scene.file.string(), excess));
+}
+
 void require_fit_rules(Reader& in, Scene& scene) {
   if (scene.time.automatic() && !scene.measurements.empty())
     in.fail("measurement", "found with time.step = \"auto\", whose step lengths would change with the "
@@ -256,6 +306,8 @@ void require_fit_rules(Reader& in, Scene& scene) {
                                               name(scene.optimizer.method),
                                               scene.objective ? " and a control" : "", name(method)));
     scene.optimizer.method = method;
+    if (const std::string excess = excess_of_fractions(scene, start_values(scene)); !excess.empty())
+      in.fail("unknown", "found start values of " + excess);
     if (!scene.objective && in.has("optimizer"))
       for (const char* key : {"start", "checkpoint", "memory"})
         if (Reader optimizer = in.table("optimizer"); optimizer.has(key))

@@ -35,9 +35,9 @@ std::string markdown();
 /// JSON Schema (draft 2020-12) of a scene.
 std::string json_schema();
 
-/// Message for a key or a value that requests an effect outside the model, such as friction; empty if no such
-/// effect is recognised. `key`: full name without the numbers of tables; `value`: name given as the key's
-/// value; empty: only the key is examined.
+/// Message for a key or a value that requests an effect outside the model, such as friction, or an effect of
+/// the model under another name than its key; empty if no such effect is recognised. `key`: full name without
+/// the numbers of tables; `value`: name given as the key's value; empty: only the key is examined.
 std::string refusal(std::string_view key, std::string_view value = {});
 
 /// Names of the effects outside the model that refusal() recognises, as docs/modelling.md lists them.

@@ -115,6 +115,10 @@ double& number_of(Scene& scene, const Unknown& unknown) {
     return material.rayleigh.value().alpha;
   case Parameter::beta:
     return material.rayleigh.value().beta;
+  case Parameter::prony_g:
+  case Parameter::prony_k:
+  case Parameter::prony_time:
+    return number_of(material.prony.at(branch_of(scene, unknown)), unknown.of);
   default:
     return material.density;
   }
@@ -128,6 +132,9 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::shear:
   case Parameter::alpha:
   case Parameter::beta:
+  case Parameter::prony_g:
+  case Parameter::prony_k:
+  case Parameter::prony_time:
   case Parameter::density:
   case Parameter::normal_stiffness:
   case Parameter::tangential_stiffness:
@@ -179,6 +186,10 @@ void set(Scene& scene, const Unknown& unknown, double value) {
 
 } // namespace
 
+double& number_of(Branch& branch, Parameter of) {
+  return of == Parameter::prony_g ? branch.g : of == Parameter::prony_k ? branch.k : branch.time;
+}
+
 std::string unit(const Unknown& unknown) {
   switch (unknown.of) {
   case Parameter::young:
@@ -189,6 +200,7 @@ std::string unit(const Unknown& unknown) {
   case Parameter::alpha:
     return "1/s";
   case Parameter::beta:
+  case Parameter::prony_time:
     return "s";
   case Parameter::normal_stiffness:
   case Parameter::tangential_stiffness:
@@ -209,6 +221,8 @@ std::string unit(const Unknown& unknown) {
   case Parameter::angle:
     return "rad";
   case Parameter::poisson:
+  case Parameter::prony_g:
+  case Parameter::prony_k:
   case Parameter::body:
   case Parameter::gravity:
   case Parameter::traction:
@@ -222,6 +236,14 @@ std::size_t material_of(const Scene& scene, const Unknown& unknown) {
     if (scene.materials.size() == 1 || scene.materials[i].on == unknown.on)
       return i;
   throw std::out_of_range("no material of the scene has this unknown");
+}
+
+std::size_t branch_of(const Scene& scene, const Unknown& unknown) {
+  const std::size_t count = scene.materials[material_of(scene, unknown)].prony.size();
+  const auto number = static_cast<std::size_t>(unknown.branch.value_or(0));
+  if (number >= count || (count > 1 && !unknown.branch))
+    throw std::out_of_range("no branch of the material has this unknown");
+  return number;
 }
 
 std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
@@ -247,7 +269,11 @@ Limits natural_limits(Parameter of) {
   case Parameter::young:
   case Parameter::density:
   case Parameter::radius:
+  case Parameter::prony_time:
     return {.least = 0, .open = true};
+  case Parameter::prony_g:
+  case Parameter::prony_k:
+    return {.least = 0, .greatest = 1};
   case Parameter::bulk:
   case Parameter::shear:
   case Parameter::alpha:
@@ -281,6 +307,9 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
   case Parameter::shear:
   case Parameter::alpha:
   case Parameter::beta:
+  case Parameter::prony_g:
+  case Parameter::prony_k:
+  case Parameter::prony_time:
   case Parameter::density:
   case Parameter::normal_stiffness:
   case Parameter::tangential_stiffness:
@@ -323,13 +352,6 @@ Limits limits(const Unknown& unknown) {
     limits.open = true;
   }
   return limits;
-}
-
-void require_possible(const Scene& scene, std::span<const double> values) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (const Limits possible = limits(scene.unknowns[i]); !possible.contain(values[i]))
-      throw UserError(fmt::format("{}: the unknown \"{}\" is {:.10g}; expected a number{}",
-                                  scene.file.string(), scene.unknowns[i].name, values[i], possible.range()));
 }
 
 Scene with_values(Scene scene, std::span<const double> values) {

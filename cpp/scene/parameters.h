@@ -17,6 +17,7 @@ std::string unit(const Unknown& unknown);
 Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
+constexpr bool of_branch(Parameter of) { return of >= Parameter::prony_g && of <= Parameter::prony_time; }
 constexpr bool of_foundation(Parameter of) {
   return of >= Parameter::normal_stiffness && of <= Parameter::tangential_damping;
 }
@@ -29,6 +30,11 @@ Components components_of(const Scene& scene, const Unknown& unknown);
 /// Index in scene.materials of the material to which an unknown belongs. Throws std::out_of_range if the
 /// scene has no such material, which reading a scene excludes.
 std::size_t material_of(const Scene& scene, const Unknown& unknown);
+/// Index in the material's `prony` of the branch to which an unknown belongs. Throws std::out_of_range if the
+/// material has no such branch, which reading a scene excludes.
+std::size_t branch_of(const Scene& scene, const Unknown& unknown);
+/// Returns the fraction or the time of a branch, whichever the parameter `of` names.
+double& number_of(Branch& branch, Parameter of);
 /// Index in scene.contacts of the obstacle to which an unknown belongs. Throws std::out_of_range if the scene
 /// has no such obstacle, which reading a scene excludes.
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
@@ -60,7 +66,11 @@ ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, s
 
 /// Limits of an unknown: the physical limits of its parameter, and above 0 on a logarithmic scale.
 Limits limits(const Unknown& unknown);
-/// Throws UserError unless each value is within the limits of its unknown.
+/// Describes the fractions of Prony series whose sum is too large at `values` of all unknowns, as the end of
+/// a message; empty if none is.
+std::string excess_of_fractions(const Scene& scene, std::span<const double> values);
+/// Throws UserError unless each value is within the limits of its unknown, and the sums of fractions of Prony
+/// series are below 1.
 void require_possible(const Scene& scene, std::span<const double> values);
 
 /// Whether an unknown factor of tractions multiplies `traction`. A factor with a group multiplies all

@@ -286,7 +286,8 @@ std::vector<Reader> Reader::tables(const std::string& key, bool needed) {
     return readers;
   const toml::array* array = node(key).as_array();
   if (!array || !((array->empty() && !needed) || array->is_homogeneous<toml::table>()))
-    fail(key, fmt::format("found {}; expected tables headed [[{}]]", value_text(node(key)), full(key)));
+    fail(key, fmt::format("found {}; expected a list of tables, [{{ ... }}], or tables headed [[{}]]",
+                          value_text(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);
   return readers;

@@ -67,8 +67,8 @@ public:
   /// not be empty.
   std::vector<Reader> tables(const std::string& key, bool needed);
 
-  /// Throws UserError for the first key not yet accessed that requests an effect outside the model
-  /// (refusal()).
+  /// Throws UserError for the first key not yet accessed that requests an effect outside the model, or one of
+  /// the model under another name (refusal()).
   void refuse() const;
   /// Throws UserError for the first key that was never accessed; the message suggests the accessed key with
   /// the most similar name.

@@ -38,23 +38,19 @@ const std::vector<Refusal>& refusals() {
        {"penalty", "compliance"},
        {"contact.stiffness", "contact.damping"}},
       {"a prescribed coefficient of restitution",
-       "restitution follows from the body's vibration and material.viscosity",
+       "restitution follows from the body's vibration, material.viscosity and material.prony",
        {"restitution"}},
       {"adhesion", "contact forces only push", {"adhesion", "adhesive", "cohesion", "cohesive", "glue"}},
       {"large rotations and strains",
        "strain is linear, obstacles are linearised about the undeformed body",
        {"large", "finite", "nonlinear", "nlgeom", "kinematics", "corotational", "lagrangian"}},
       {"nonlinear materials",
-       "materials are linear: young, poisson and Kelvin-Voigt viscosity",
+       "materials are linear: young, poisson, viscosity and prony",
        {"hyperelastic", "hookean", "neohookean", "mooney", "ogden", "yield", "plastic", "plasticity",
         "hardening", "damage", "fracture"},
        {"material.model", "material.law", "material.type"}},
-      {"relaxation",
-       "damping is material.viscosity = { bulk, shear } or material.rayleigh = { alpha, beta }",
-       {"prony", "relaxation", "maxwell", "moduli"},
-       {"material.damping", "damping"}},
       {"anisotropic materials", "materials are isotropic", {"orthotropic", "anisotropic", "fibre", "fiber"}},
-      {"heat", "there is no temperature", {"temperature", "thermal", "heat", "conductivity"}},
+      {"heat", "there is no temperature", {"temperature", "thermal", "heat", "conductivity", "wlf"}},
       {"plane stress and axial symmetry",
        "a body in the plane is in plane strain, per metre of depth",
        {"axisymmetric", "thickness"},
@@ -62,6 +58,32 @@ const std::vector<Refusal>& refusals() {
       {"single springs",
        "springs act per area of a surface: [[foundation]]",
        {"spring", "springs", "winkler"}}};
+  return all;
+}
+
+/// An effect of the model that scenes request under names which are not its keys.
+struct Synonym {
+  const char* instead;                ///< the effect's own key, as text for users
+  std::vector<std::string> words;     ///< words of a key's last name or value
+  std::vector<std::string> keys = {}; ///< whole keys
+};
+
+/// Table of names that other programs and textbooks have for keys of scenes.
+const std::vector<Synonym>& synonyms() {
+  static const std::vector<Synonym> all{
+      {"a branch has g and k, fractions of the instantaneous shear and bulk modulus, and time in s",
+       {},
+       {"material.prony.tau", "material.prony.tau_i", "material.prony.t", "material.prony.g_i",
+        "material.prony.k_i", "material.prony.shear", "material.prony.bulk", "material.prony.modulus",
+        "material.prony.young", "material.prony.relaxation_time"}},
+      {"give relaxation as material.prony = [{ g = 0.3, k = 0.0, time = 1e-3 }], with a table for each "
+       "branch",
+       {"relaxation", "maxwell", "wiechert", "viscoelastic"},
+       {"material.prony_series", "material.g", "material.k", "material.tau", "prony"}},
+      {"give damping as material.viscosity = { bulk, shear }, material.rayleigh = { alpha, beta } or "
+       "material.prony",
+       {},
+       {"material.damping", "damping"}}};
   return all;
 }
 
@@ -80,11 +102,16 @@ std::vector<std::string> words(std::string_view name) {
 
 std::string refusal(std::string_view key, std::string_view value) {
   const auto named = words(key.substr(key.rfind('.') + 1)), valued = words(value);
-  const auto asks_by = [](const std::vector<std::string>& words, const Refusal& one) {
-    return std::ranges::find_first_of(words, one.words) != words.end();
+  const auto requests = [&](const auto& one) {
+    return std::ranges::find(one.keys, key) != one.keys.end() ||
+           std::ranges::find_first_of(named, one.words) != named.end() ||
+           std::ranges::find_first_of(valued, one.words) != valued.end();
   };
+  for (const Synonym& one : synonyms())
+    if (requests(one))
+      return fmt::format("unknown; {}", one.instead);
   for (const Refusal& one : refusals())
-    if (std::ranges::find(one.keys, key) != one.keys.end() || asks_by(named, one) || asks_by(valued, one))
+    if (requests(one))
       return fmt::format("not in this model: {}; {}; see \"Not in this model\" in docs/modelling.md",
                          one.effect, one.instead);
   return {};

@@ -11,6 +11,7 @@ namespace signorini::scene {
 void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
 /// Checks the rules of [time] and sets the number of steps.
 void require_rules(Reader& in, Time& time, const Scene& scene);
+void require_rules(Reader& in, const Branch& branch, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
 void require_rules(Reader& in, const Foundation& foundation, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
@@ -42,6 +43,9 @@ std::string unique_name(Reader& in, const std::string& otherwise, const std::vec
     others.push_back(all[i].name);
   return unique_name(in, otherwise, others, table);
 }
+/// Describes the fractions of a material's Prony series whose sum is too large, as the end of a message;
+/// empty if none is.
+std::string excess_of_fractions(const Material& material);
 /// Throws UserError, naming the key `obstacle`, unless the scene has an obstacle of that name.
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
 /// Checks the rules of scenes with unknowns or measurements, and sets the search method for the unknowns.

@@ -152,6 +152,7 @@ struct Unknown {
   std::optional<std::string> on;       ///< group of the material or traction; absent if there is only one
   std::optional<std::string> obstacle; ///< name of the obstacle; may be absent if there is only one
   std::optional<Component> component;  ///< component of a field or centre; axis of an angle in 3D
+  std::optional<int> branch;           ///< number of the Prony series' branch; absent if there is only one
   std::string name;                    ///< name in tables, unique
   double start = 0;                    ///< value at which the fit starts
   std::optional<double> lower, upper;  ///< bounds of the value
@@ -288,6 +289,8 @@ struct Scene {
 
   /// Treatment of contact, from time.scheme and contact.mass.
   [[nodiscard]] ContactScheme contact_scheme() const;
+  /// Whether a material relaxes.
+  [[nodiscard]] bool relaxes() const { return std::ranges::any_of(materials, &Material::relaxes); }
 };
 
 /// Returns the text of a scene file. Throws UserError if the file cannot be read.

@@ -7,7 +7,7 @@ using namespace kind;
 namespace {
 
 const Limits above_zero{.least = 0, .open = true}, not_negative{.least = 0};
-const Limits weight{.least = 0, .unit = "weight"};
+const Limits fraction{.least = 0, .greatest = 1}, weight{.least = 0, .unit = "weight"};
 
 // Keys that several tables have.
 
@@ -78,7 +78,7 @@ Keys<Time> keys_of(Of<Time>) {
 
 Keys<Viscosity> keys_of(Of<Viscosity>) {
   return {required("bulk", &Viscosity::bulk, Number{not_negative}, "Pa s",
-                   "bulk viscosity; without the table `viscosity` the material is elastic"),
+                   "bulk viscosity; a material without `viscosity`, `rayleigh` and `prony` is elastic"),
           required("shear", &Viscosity::shear, Number{not_negative}, "Pa s")};
 }
 
@@ -87,7 +87,19 @@ Keys<Rayleigh> keys_of(Of<Rayleigh>) {
                 "damping `alpha` times the mass: a drag on every motion, also on a flight",
                 {.effect = "mass damping"}),
           value("beta", &Rayleigh::beta, Number{not_negative}, "s",
-                "damping `beta` times the stiffness, as the viscosities `beta` K and `beta` G")};
+                "damping `beta` times the stiffness, as the viscosities `beta` K and `beta` G; with `prony` "
+                "the long-term stiffness")};
+}
+
+Keys<Branch> keys_of(Of<Branch>) {
+  return {value("g", &Branch::g, Number{fraction}, "",
+                "fraction of the instantaneous shear modulus that relaxes with the time `time`. A list "
+                "`prony = [{ g = 0.3, k = 0.0, time = 1e-3 }, …]` has one table for each branch of the Prony "
+                "series. The sum of all `g` is below 1"),
+          value("k", &Branch::k, Number{fraction}, "",
+                "fraction of the instantaneous bulk modulus that relaxes with the time `time`; the sum of "
+                "all `k` is below 1. Each branch has `g` or `k` above 0"),
+          required("time", &Branch::time, Number{above_zero}, "s", "relaxation time of the branch")};
 }
 
 Keys<Material> keys_of(Of<Material>) {
@@ -97,10 +109,18 @@ Keys<Material> keys_of(Of<Material>) {
                 "exactly one material; `--set material.0.young=…` sets a key of the first table",
                 {.effect = "several materials"}),
           required("density", &Material::density, Number{above_zero}, "kg/m³"),
-          required("young", &Material::young, Number{above_zero}, "Pa", "Young's modulus"),
-          required("poisson", &Material::poisson, Number{{.least = -1, .greatest = 0.5, .open = true}}),
+          required("young", &Material::young, Number{above_zero}, "Pa",
+                   "Young's modulus; with `prony` that of the moduli which `moduli` names"),
+          required("poisson", &Material::poisson, Number{{.least = -1, .greatest = 0.5, .open = true}}, "",
+                   "Poisson's ratio, of the same moduli"),
           inline_table("viscosity", &Material::viscosity, {.effect = "viscosity"}),
-          inline_table("rayleigh", &Material::rayleigh, {.effect = "viscosity"})};
+          inline_table("rayleigh", &Material::rayleigh, {.effect = "viscosity"}),
+          inline_tables("prony", &Material::prony, {.effect = "relaxation"}),
+          value("moduli", &Material::moduli, Choice<Moduli>{}, "",
+                "with `prony`: meaning of `young` and `poisson`. `\"instantaneous\"`: at the instant of "
+                "loading; `\"long-term\"`: after relaxation. The fractions `g` and `k` are of the "
+                "instantaneous moduli in both cases",
+                {.effect = "relaxation"}, [](const Material& material) { return material.relaxes(); })};
 }
 
 Keys<FoundationStiffness> keys_of(Of<FoundationStiffness>) {
@@ -405,7 +425,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
   return {
       required("of", &Unknown::of, Choice<Parameter>{}, "",
                "parameter to fit; each unknown is a table `[[unknown]]`. Of a material: a modulus, a "
-               "viscosity, a Rayleigh coefficient or the density. Of a foundation: springs or dashpots. Of "
+               "viscosity, a Rayleigh coefficient, the fractions or the time of a branch of `prony`, or the "
+               "density. Of a foundation: springs or dashpots. Of "
                "an initial field: the value of one component in the whole body, "
                "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
                "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of a load: a factor "
@@ -421,6 +442,9 @@ Keys<Unknown> keys_of(Of<Unknown>) {
             "component of an initial field or a centre; in space also the axis about which a plane's `angle` "
             "turns",
             {.otherwise = "none"}),
+      value("branch", &Unknown::branch, Whole{0, 999}, "",
+            "number of the branch in the list `prony` of the material, counted from 0, if there are several",
+            {.otherwise = "the only one"}),
       value("start", &Unknown::start, Number{}, "", "first guess", {.otherwise = "the scene's own value"}),
       value("lower", &Unknown::lower, Number{}, "", "lower bound of the unknown",
             {.otherwise = "natural limit of the parameter; with `\"log\"` 1.5e-8 times `start`"}),
@@ -429,8 +453,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
             "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
             {.otherwise =
-                 "`\"log\"` for moduli, viscosities, Rayleigh coefficients, densities and foundations; else "
-                 "`\"linear\"`"}),
+                 "`\"log\"` for moduli, viscosities, Rayleigh coefficients, relaxation times, densities and "
+                 "foundations; else `\"linear\"`"}),
       inline_table("prior", &Unknown::prior, {})};
 }
 

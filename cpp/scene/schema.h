@@ -209,6 +209,20 @@ Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& inf
   return key;
 }
 
+/// Makes a key with an array of tables that is written on one line; an empty array is not written.
+template <class T, class U>
+Key<T> inline_tables(const char* name, std::vector<U> T::* member, const KeyInfo& info) {
+  Key<T> key = sections(name, member, info);
+  key.section = nullptr;
+  key.line = [=](const T& from) {
+    std::vector<std::string> tables;
+    for (const U& table : from.*member)
+      tables.push_back(on_one_line(table).text);
+    return tables.empty() ? Written{} : Written{fmt::format("[{}]", fmt::join(tables, ", "))};
+  };
+  return key;
+}
+
 /// Default-constructs a variant with its i-th alternative.
 template <class... A>
 std::variant<A...> alternative(std::size_t i, const std::variant<A...>&) {

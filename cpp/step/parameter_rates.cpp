@@ -3,6 +3,7 @@
 #include "contact/mass_redistribution.h"
 #include "fem/foundations.h"
 #include "scene/parameters.h"
+#include "step/relaxing_rates.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +13,9 @@ namespace signorini::step {
 using petsc::check;
 
 struct ParameterRates::Rate {
-  petsc::Matrix A, B, M;            ///< derivatives of these matrices; null if zero
+  petsc::Matrix A, B, M; ///< derivatives of these matrices; null if zero
+  std::optional<RelaxingRate>
+      relaxing;                     ///< derivative by the stiffness of a material that relaxes, not in A, B
   std::optional<SceneLoad> load;    ///< derivative of the loads; for a density: the weight
   std::optional<ForceAtStep> force; ///< evaluates `load` at a step
   std::optional<contact::ContactPairs::Rates> pairs;
@@ -29,6 +32,8 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
       components_(lambda_.size()) {
   for (petsc::Vector* one : {&sum_, &difference_, &inertia_, &jump_})
     *one = stepper.space().vector();
+  if (stepper.branches() > 0)
+    combination_ = stepper.space().vector();
   if (stepper.moving_clamps())
     motion_ = stepper.moving_clamps()->storage();
   for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
@@ -42,6 +47,9 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
     case shear:
     case alpha:
     case beta:
+    case prony_g:
+    case prony_k:
+    case prony_time:
     case density:
       add_material(scene::with_values(scene, values), unknown, rate);
       break;
@@ -71,8 +79,21 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
 
 ParameterRates::~ParameterRates() = default;
 
-void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknown& unknown,
-                                  Rate& rate) const {
+void ParameterRates::add_relaxing(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) {
+  const std::size_t material = scene::material_of(scene, unknown);
+  std::shared_ptr<const SplitStiffness>& stiffness = stiffness_[material];
+  if (!stiffness)
+    stiffness = std::make_shared<const SplitStiffness>(stepper_.space(), scene.materials, material);
+  rate.relaxing.emplace(*stepper_.operators().relaxation, scene, unknown, stiffness);
+  using enum scene::Parameter;
+  if (unknown.of == beta || unknown.of == prony_time)
+    return;
+  if (petsc::Matrix absorbing = fem::assemble_absorption_rate(stepper_.space(), scene.foundations,
+                                                              scene.materials, material, unknown.of))
+    rate.B = symmetric_half(absorbing);
+}
+
+void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) {
   const std::size_t material = scene::material_of(scene, unknown);
   const scene::Rayleigh rayleigh = scene.materials[material].rayleigh.value_or(scene::Rayleigh{});
   const auto assembled = [&](fem::Form form) {
@@ -92,6 +113,9 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
     rate.B = symmetric_half(B);
   };
   using enum scene::Parameter;
+  const bool elastic = unknown.of == young || unknown.of == poisson || unknown.of == beta;
+  if (scene::of_branch(unknown.of) || (elastic && scene.materials[material].relaxes()))
+    return add_relaxing(scene, unknown, rate);
   switch (unknown.of) {
   case young:
   case poisson: {
@@ -246,6 +270,9 @@ void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Ad
     add(rate.B, -scheme.tau / 2, difference_);
   if (rate.M)
     add(rate.M, 1, inertia_);
+  if (rate.relaxing)
+    rate.relaxing->for_each_product({scheme, sum_, difference_, made_->from}, combination_,
+                                    [&](Mat matrix, Vec x) { add(matrix, 1, x); });
 }
 
 void ParameterRates::add_step_source(std::size_t j, Vec sum) {
@@ -263,7 +290,12 @@ void ParameterRates::add_step_source(std::size_t j, Vec sum) {
     rate.pairs->rows->apply(-1, lambda_, sum);
 }
 
-double ParameterRates::pairing(std::size_t j, Vec p) {
+void ParameterRates::add_branch_source(std::size_t j, const State& sum) {
+  if (const auto& relaxing = rates_[j]->relaxing)
+    relaxing->add_branches({made_->step.scheme(), sum_, difference_, made_->from}, sum);
+}
+
+double ParameterRates::pairing(std::size_t j, Vec p, const petsc::Series& z) {
   const Rate& rate = *rates_[j];
   const Scheme scheme = made_->step.scheme();
   double sum = 0;
@@ -271,6 +303,8 @@ double ParameterRates::pairing(std::size_t j, Vec p) {
     check(MatMult(matrix, x, work_));
     sum += factor * petsc::dot(p, work_);
   });
+  if (rate.relaxing)
+    sum += rate.relaxing->branch_pairing({scheme, sum_, difference_, made_->from}, z, combination_, work_);
   if (rate.force) {
     const NodalForce force = rate.force->at(made_->step);
     if (force.density) {

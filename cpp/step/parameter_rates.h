@@ -2,11 +2,14 @@
 #pragma once
 #include "scene/parameters.h"
 #include "step/step.h"
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace signorini::step {
+
+struct SplitStiffness;
 
 /// Data of a completed step for its derivatives by parameters.
 struct StepMade {
@@ -38,8 +41,11 @@ public:
 
   /// Adds s_kj, the derivative of the step's right-hand side by unknown j, to `sum`.
   void add_step_source(std::size_t j, Vec sum);
-  /// Returns p·s_kj, the product of p with the derivative of the step's right-hand side by unknown j.
-  [[nodiscard]] double pairing(std::size_t j, Vec p);
+  /// Adds the derivative of q_k by unknown j, at fixed y_k, y_{k−1} and q_{k−1}, to the parts q of `sum`.
+  void add_branch_source(std::size_t j, const State& sum);
+  /// Returns p·s_kj, the product of p with the derivative of the step's right-hand side by unknown j, and the
+  /// product of the derivative of q_k with its dual, given by `z` as in AdjointState.
+  [[nodiscard]] double pairing(std::size_t j, Vec p, const petsc::Series& z);
   /// Sets `c` to c_kj (rows, m), the value of ν·δy_k that unknown j prescribes on the active set. Returns
   /// false and leaves `c` unchanged if c_kj is zero.
   bool constraint(std::size_t j, std::span<double> c);
@@ -61,7 +67,8 @@ private:
   struct Rate;
   /// Returns whether the candidates' normals depend on any unknown.
   [[nodiscard]] bool turn() const;
-  void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate);
+  void add_relaxing(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate);
   void add_foundation(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
                     Rate& rate) const;
@@ -78,13 +85,14 @@ private:
 
   const Stepper& stepper_;
   std::vector<std::unique_ptr<Rate>> rates_;
+  std::map<std::size_t, std::shared_ptr<const SplitStiffness>> stiffness_; ///< by the material's number
   std::optional<StepMade> made_;
   /// y_k + y_{k−1}, y_k − y_{k−1}, τ_k w − (y_k − y_{k−1}) with the step's starting velocity w, and the jump
   /// z − x.
   petsc::Vector sum_, difference_, inertia_, jump_;
   bool jumps_ = false;                ///< whether Z_k has candidates
   std::vector<double> lambda_, zeta_; ///< λ_k and ζ_k (rows); set only if turn()
-  petsc::Vector work_;
+  petsc::Vector work_, combination_;  ///< combination_: null without branches
   std::vector<double> components_;
   std::optional<MovingClamps::Evaluation> motion_;
 };

@@ -11,6 +11,8 @@ namespace signorini::step {
 /// and D'. With the jump j = Πs − s of s = p_k − rate() ω_k it is
 ///     ω_{k−1} = τ (p_k + j) − ω_k
 ///     D' p_{k−1} + N μ_{k−1} = R p_k + M (rate' ω_{k−1} − rate() ω_k + j) + ∂J/∂y_{k−1}
+/// In materials that relax, −impulse() Σ_j gain_j A_j q_j,k−1 is added to the right-hand side, with the gains
+/// of scene::branch_step(), which D contains too.
 /// These coefficients are defined only here; the form d in forms/, which defines D, repeats stiffness() and
 /// τ/2.
 struct Scheme {

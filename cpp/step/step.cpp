@@ -104,6 +104,11 @@ double Stepper::scheme_bytes() const {
 
 Stepper::Workspace Stepper::workspace() const {
   Workspace work{.r = space_.vector(), .work = space_.vector(), .moved = space_.vector()};
+  if (branches() > 0) {
+    work.of_branches = space_.vector();
+    work.weights.resize(branches());
+    work.weights_p.resize(branches());
+  }
   if (pairs_) {
     work.gaps = pairs_->gaps();
     work.contact = solver().contact()->workspace();
@@ -134,6 +139,49 @@ void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functiona
   if (source.vector)
     check(VecAXPY(work.r, b, source.vector));
   clamped_.clear(work.r);
+}
+
+void Stepper::subtract_branch_forces(const Scheme& scheme, const State& from, Workspace& work) const {
+  if (!operators_.relaxation)
+    return;
+  const fem::Relaxation& relaxation = *operators_.relaxation;
+  for (std::size_t j = 0; j < branches(); ++j)
+    work.weights[j] = -scheme.impulse() * scene::branch_step(scheme.tau, relaxation.branches()[j].time).gain;
+  relaxation.add({.weights = work.weights, .vectors = from.q()}, work.r, work.of_branches);
+  clamped_.clear(work.r);
+}
+
+void Stepper::set_branches(const Scheme& scheme, const State& from, const State& to) const {
+  const petsc::ReadArray before(from.y()), after(to.y());
+  for (std::size_t j = 0; j < branches(); ++j) {
+    const auto [gain, decay] = scene::branch_step(scheme.tau, operators_.relaxation->branches()[j].time);
+    const petsc::ReadArray last(from.q()[j]);
+    const petsc::WriteArray q(to.q()[j]);
+    for (std::size_t i = 0; i < q.size(); ++i)
+      q[i] = decay * last[i] + gain * (after[i] - before[i]);
+  }
+}
+
+void Stepper::add_branch_duals(const AdjointStep& step, bool start, Workspace& work) const {
+  if (!operators_.relaxation)
+    return;
+  const fem::Relaxation& relaxation = *operators_.relaxation;
+  const Scheme later = step.next->scheme;
+  const auto of_later = [&](std::size_t j) {
+    return scene::branch_step(later.tau, relaxation.branches()[j].time);
+  };
+  // c_j z_j,k − c_j' z_j,k+1 with z_j,k = decay_j' z_j,k+1 − impulse() c_j' p_{k+1}, in one product
+  for (std::size_t j = 0; j < branches(); ++j) {
+    const double time = relaxation.branches()[j].time,
+                 gain = start ? 0 : scene::branch_step(step.step.scheme.tau, time).gain;
+    work.weights[j] = gain * of_later(j).decay - of_later(j).gain;
+    work.weights_p[j] = -gain * later.impulse() * of_later(j).gain;
+  }
+  relaxation.add({work.weights, step.state.z, work.weights_p, step.state.p_next}, work.r, work.of_branches);
+  clamped_.clear(work.r);
+  for (std::size_t j = 0; j < branches(); ++j)
+    check(
+        VecAXPBY(step.state.z[j], -later.impulse() * of_later(j).gain, of_later(j).decay, step.state.p_next));
 }
 
 namespace {
@@ -183,6 +231,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   }
   // (4.21): r = R y_{k−1} + τ M (v_{k−1} + j/τ) + τ²/2 (f_k + s W u_k)
   right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
+  subtract_branch_forces(scheme, in.from, work);
   if (moving_clamps_)
     moving_clamps_->apply(*work.moving_clamps, with.whole_D, clamped_, with.clamped_diagonal, work.r);
   // (4.21): D y_k + N λ_k = r, 0 ≤ λ_k ⊥ g(y_k) ≥ 0
@@ -192,6 +241,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   } else
     with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to); // (4.22)
+  set_branches(scheme, in.from, out.to);
   if (moving_clamps_)
     moving_clamps_->copy(work.moving_clamps->velocity, out.to.v());
   PetscReal size = 0;
@@ -268,6 +318,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
   right_hand_side(of_length(scheme.tau).R, step.from.y(), scheme.momentum(),
                   with_jump(step.from.v(), scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
                   work);
+  subtract_branch_forces(scheme, step.from, work);
   return jump;
 }
 
@@ -277,6 +328,7 @@ void Stepper::linearised_step(const LinearisedStep& step, const contact::Contact
   solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
                       step.multipliers, work);
   set_velocity(step.scheme, step.from, jump, step.to);
+  set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
 }
 
@@ -287,6 +339,7 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
   const Vec jump = linearised_right_hand_side(step, contact, work);
   solve_one_sided(step.scheme, contact, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
+  set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
 }
 
@@ -321,6 +374,7 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
   }
   // (4.41): r = R_{k+1} p_{k+1} + M momentum + ∂J/∂y_k
   right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
+  add_branch_duals(step, rate == 0, work);
   return jump;
 }
 

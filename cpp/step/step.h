@@ -7,15 +7,16 @@
 #include "step/moving_clamps.h"
 #include "step/predictor_projection.h"
 #include "step/step_operators.h"
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
 
 namespace signorini::step {
 
-/// State of a motion, or of a linearised motion, at one time: a list of vectors of V, its parts. The first is
-/// the displacement y (m), the second the velocity v (m/s). A state that stores displacements alone has one
-/// part.
+/// State of a motion, or of a linearised motion, at one time: a list of vectors of V, its parts. They are the
+/// displacement y (m), the velocity v (m/s) and the internal displacements q_j (m) of the branches of
+/// materials that relax. A state that stores displacements alone has one part.
 class State {
 public:
   /// Creates a zero state of `parts` vectors with the layout of `like`. Collective.
@@ -24,6 +25,11 @@ public:
   [[nodiscard]] Vec y() const { return parts_[0]; }
   [[nodiscard]] Vec v() const { return parts_[1]; }
   [[nodiscard]] std::span<const petsc::Vector> parts() const { return parts_; }
+  /// Returns the internal displacements q_j, in the order of fem::Relaxation::branches().
+  [[nodiscard]] std::span<const petsc::Vector> q() const {
+    return parts().subspan(std::min(own_parts, parts_.size()));
+  }
+  static constexpr std::size_t own_parts = 2; ///< number of parts of a body that does not relax: y and v
 
   /// Copies from `other` as many parts as this state has; `other` must have at least as many. Collective.
   void copy(const State& other) {
@@ -39,10 +45,12 @@ private:
 struct AdjointState {
   petsc::Vector p, p_next; ///< p_k (before step k a guess of it) and p_{k+1}
   petsc::Vector omega;     ///< ω_{k+1} before step k, ω_k after it
+  petsc::Series z;         ///< of step k + 1 before step k, then of step k: A_j z_j is the dual of q_j,k
 
-  /// Creates the adjoint state after step N, which is zero. Collective.
-  explicit AdjointState(Vec like)
-      : p(petsc::zero_like(like)), p_next(petsc::zero_like(like)), omega(petsc::zero_like(like)) {}
+  /// Creates the adjoint state after step N, which is zero, for a body with `branches` branches. Collective.
+  AdjointState(Vec like, std::size_t branches)
+      : p(petsc::zero_like(like)), p_next(petsc::zero_like(like)), omega(petsc::zero_like(like)),
+        z(petsc::zero_series(like, branches)) {}
 
   /// Makes p_k the p_next of step k − 1.
   void advance() { std::swap(p, p_next); }
@@ -160,10 +168,14 @@ public:
   }
   /// Creates a zero state. Collective.
   [[nodiscard]] State state() const { return {space_.vector(), state_parts()}; }
-  /// Returns the number of vectors of a full state, displacement and velocity.
-  [[nodiscard]] static std::size_t state_parts() { return 2; }
+  /// Returns the number of branches of all materials that relax.
+  [[nodiscard]] std::size_t branches() const {
+    return operators_.relaxation ? operators_.relaxation->branches().size() : 0;
+  }
+  /// Returns the number of vectors of a full state.
+  [[nodiscard]] std::size_t state_parts() const { return State::own_parts + branches(); }
   /// Creates the zero adjoint state after step N. Collective.
-  [[nodiscard]] AdjointState adjoint_state() const { return AdjointState(space_.vector()); }
+  [[nodiscard]] AdjointState adjoint_state() const { return {space_.vector(), branches()}; }
 
   /// Returns the memory that the contact scheme needs in addition to that of contact-implicit stepping, on
   /// all ranks, bytes. Collective.
@@ -172,7 +184,9 @@ public:
   /// Scratch of steps, for one step at a time. No step depends on the content that an earlier step left.
   struct Workspace {
     petsc::Vector r{}, work{}, moved{};
-    double tau = 0; ///< length of the step for which `contact` was used last, s
+    petsc::Vector of_branches{};                ///< argument of a branch product; null without branches
+    std::vector<double> weights{}, weights_p{}; ///< factors of one vector, and of p, for each branch
+    double tau = 0;                             ///< length of the step for which `contact` was used last, s
     std::optional<contact::ContactPairs::Gaps> gaps{};
     std::optional<contact::Workspace> contact{};
     std::optional<PredictorProjection::Workspace> predictor{};
@@ -214,6 +228,13 @@ private:
   /// Sets work.r = R x + a M z + b source on the free dofs and zero on the clamped ones, for steps and
   /// transposed steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
+  /// Subtracts impulse() Σ_j gain_j A_j q_j,k−1 from work.r on the free dofs. `from`: state at t_{k−1}.
+  void subtract_branch_forces(const Scheme& scheme, const State& from, Workspace& work) const;
+  /// Sets q_j,k = decay_j q_j,k−1 + gain_j (y_k − y_{k−1}) in `to`, whose displacement is y_k.
+  void set_branches(const Scheme& scheme, const State& from, const State& to) const;
+  /// Adds the duals of the branches to work.r, c_j A_j z_j,k − c_j' A_j z_j,k+1 with the gains c_j of step k
+  /// (zero for k = 0) and c_j' of step k + 1, and sets z_j,k in `step.state`.
+  void add_branch_duals(const AdjointStep& step, bool start, Workspace& work) const;
   /// Sets work.r for a linearised step. Returns the predictor's jump, null without a jump.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;

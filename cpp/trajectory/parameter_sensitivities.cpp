@@ -19,6 +19,8 @@ void ParameterSensitivities::observe(const Frame& frame) {
       const auto start = [](Vec rate, Vec x) { check(rate ? VecCopy(rate, x) : VecZeroEntries(x)); };
       start(rates_.displacement(j), motions_[j].state.y());
       start(rates_.velocity(j), motions_[j].state.v());
+      for (const petsc::Vector& q : motions_[j].state.q())
+        check(VecZeroEntries(q));
       std::ranges::fill(motions_[j].lambda, 0);
     }
     return;
@@ -43,6 +45,7 @@ void ParameterSensitivities::observe(const Frame& frame) {
                               now.lambda,
                               projected ? &data : nullptr},
                              frame.contact, work_);
+    rates_.add_branch_source(j, now.state);
   }
 }
 

@@ -38,7 +38,11 @@ inline double operator_bytes(const problem::Problem& problem) {
   for (const std::optional<petsc::Matrix>& matrix : {std::cref(operators.B), std::cref(operators.W)})
     if (matrix)
       sum += petsc::bytes(*matrix);
-  return sum;
+  for (const petsc::Matrix& matrix :
+       {std::cref(operators.foundation_A), std::cref(operators.foundation_B), std::cref(operators.drag)})
+    if (matrix)
+      sum += petsc::bytes(matrix);
+  return sum + (operators.relaxation ? operators.relaxation->bytes() : 0);
 }
 
 namespace bench {

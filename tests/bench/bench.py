@@ -6,7 +6,7 @@ usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N â€¦] [--sizes H â
   c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 3 minutes)
   scaling  the half disc from 1 m to 1/32 m, time step in proportion, contact from the start (about 10 minutes)
   space    the half ball by conjugate gradients, from 20,000 to 400,000 unknowns, 100 steps (about half an hour)
-  effects  the half disc with one effect after another: what each adds (about four minutes)
+  effects  the half disc with one effect after another: what each adds (about six minutes)
   peers    forward steps beside FreeFem++ and GetFEM (tests/bench/peers)
 
 floor: one solve with D and the products with R and M, timed between the steps. Of each step's time over the repeats the
@@ -66,6 +66,13 @@ OBSTACLE = """
 on = "contact"
 obstacle = {{ shape = "half-space", point = [0, {height}], normal = [0, 1] }}
 """
+
+
+def branches(*fractions: tuple[float, float]) -> str:
+    """A Prony series with these g and k."""
+    return "".join(f"[[material.prony]]\ng = {g}\nk = {k}\ntime = {10.0**-(4 - i)}\n" for i, (g, k) in enumerate(fractions))
+
+
 EFFECTS = {
     "elastic body": {"body": BODY},
     "+ viscosity": {"viscosity": "viscosity = { bulk = 1e4, shear = 1e4 }\n"},
@@ -74,6 +81,11 @@ EFFECTS = {
     "+ control": {"control": '[control]\nscale = 1e6\ninitial = ["0", "-0.1"]\n'},
     "+ objective": {"objective": '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n'},
     "+ bounds": {"control": '[control]\nscale = 1e6\ninitial = ["0", "-0.1"]\nlower = -0.5\nupper = 0.5\n'},
+    "+ Rayleigh damping": {"rayleigh": "[material.rayleigh]\nalpha = 10.0\nbeta = 1e-5\n"},
+    "+ foundation": {"foundation": '[[foundation]]\non = "side"\nstiffness = { normal = 1e6 }\ndamping = { normal = 1e3 }\n'},
+    "+ relaxation, g = k": {"prony": branches((0.3, 0.3))},
+    "+ relaxation, g and k": {"prony": branches((0.3, 0.1))},
+    "+ three branches": {"prony": branches((0.3, 0.1), (0.2, 0.1), (0.1, 0.2))},
 }
 
 

@@ -64,7 +64,8 @@ SHORT = sets(mesh__size=4, time__step=2.5e-4)
 RUNS = {
     "measured": ("simulate", "joint.toml", "--measure"),
     "block": ("simulate", BLOCK, *FIELDS),
-    "supported": ("simulate", BLOCK, *sets(material__rayleigh="{alpha=1.0}", foundation='[{on="top", damping={normal=1.0}}]')),
+    "supported": ("simulate", BLOCK, *sets(material__rayleigh="{alpha=1.0}", material__prony="[{g=0.3, k=0.1, time=0.05}]",
+                                           foundation='[{on="top", damping={normal=1.0}}]')),  # fmt: skip
     "disc": ("simulate", DISC, *SHORT, *FIELDS, *probes("top", "[0, -5]")),
     "ball": ("simulate", BALL, *SHORT, *FIELDS, *probes("top", "[0, 0, -5]")),
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),

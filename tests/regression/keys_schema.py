@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from harness import SIGNORINI, SOURCE, captured
 
-FILES = sorted([*(SOURCE / "scenes").glob("*.toml"), *(SOURCE / "tests" / "data").glob("*.toml")])
+FILES = sorted(file for folder in ("scenes", "tests/data", "docs/verification") for file in (SOURCE / folder).glob("*.toml"))
 assert len(FILES) > 12
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
 SAYS_NOTHING = {"$schema", "title", "description", "default"}

@@ -16,7 +16,7 @@ WITHOUT = {"scene": {"linalg"}, "mesh": {"linalg"}, "diagnostics": {"adjoint"}, 
            "control": {"diagnostics"}, "io": {"linalg", "adjoint", "optimize"}}  # fmt: skip
 SEES = {layer: set(ORDER[: i + 1]) - WITHOUT.get(layer, set()) for i, layer in enumerate(ORDER)}
 LIBRARIES_OUT_OF = {"optimize": re.compile(r"<(petsc|dolfinx)"), "scene": re.compile(r"<(petsc|dolfinx)")}
-GENERATED_ONLY_IN = ("fem/forms.cpp", re.compile(r'"viscoelasticity_'))
+GENERATED_ONLY_IN = ("fem/compiled_forms.cpp", re.compile(r'"viscoelasticity_'))
 
 
 def includes() -> list[tuple[str, str | None, str]]:

@@ -24,12 +24,14 @@ struct InContact {
   }
 };
 
-/// Settings of the schemes, and of contact-stabilized stepping by conjugate gradients.
+/// Settings of the schemes, of contact-stabilized stepping by conjugate gradients, and of two branches that
+/// relax.
 const std::vector<std::vector<std::string>> schemes{
     {},
     {"contact.mass=massless"},
     {"time.scheme=contact-stabilized"},
-    {"time.scheme=contact-stabilized", "solver.linear=iterative"}};
+    {"time.scheme=contact-stabilized", "solver.linear=iterative"},
+    {"material.prony=[{g=0.4, k=0.1, time=0.05}, {g=0.2, k=0, time=2}]"}};
 
 /// Steps in which the predictor was projected.
 int projected(const test::Recorded& trajectory) {
@@ -86,6 +88,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     step::State found = stepper.state(), linear = stepper.state();
     check(VecCopy(test::smooth(space, 1), change.y()));
     check(VecCopy(test::smooth(space, 2), change.v()));
+    for (std::size_t j = 0; j < change.q().size(); ++j)
+      check(VecCopy(test::smooth(space, 4 + static_cast<int>(j)), change.q()[j]));
     check(VecCopy(run.ready.problem.load().at(run.ready.problem.grid.step(k)).density, load));
     contact::ContactState moved(stepper.pairs()->count());
     step::Stepper::Workspace work = stepper.workspace();
@@ -99,6 +103,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
       const petsc::Vector f = petsc::copy(load);
       check(VecWAXPY(from.y(), epsilon, change.y(), run.trajectory.y[i - 1]));
       check(VecWAXPY(from.v(), epsilon, change.v(), run.trajectory.v[i - 1]));
+      for (std::size_t j = 0; j < change.q().size(); ++j)
+        check(VecWAXPY(from.q()[j], epsilon, change.q()[j], run.trajectory.q[i - 1][j]));
       check(VecAXPY(f, epsilon, dload));
       stepper.step({run.ready.problem.grid.step(k), from, {{.density = f}}, run.trajectory.contact[i - 1]},
                    {found, moved}, work);
@@ -109,6 +115,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                             work);
     check(VecAXPY(found.y(), -1, run.trajectory.y[i]));
     check(VecAXPY(found.v(), -1, run.trajectory.v[i]));
+    for (std::size_t j = 0; j < found.q().size(); ++j)
+      check(VecAXPY(found.q()[j], -1, run.trajectory.q[i][j]));
     for (const petsc::Vector& part : found.parts())
       check(VecScale(part, 1 / epsilon));
     // What rounding, or a few times the solver's tolerance, leaves of two displacements; velocities are 2/τ
@@ -118,6 +126,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     CHECK(off < 1e-4 * test::largest(linear.y())); // else it says nothing
     CHECK(test::difference(found.y(), linear.y()) < off);
     CHECK(test::difference(found.v(), linear.v()) < run.ready.problem.grid.scheme(1).rate() * off);
+    for (std::size_t j = 0; j < found.q().size(); ++j)
+      CHECK(test::difference(found.q()[j], linear.q()[j]) < 2 * off);
   }
 }
 

@@ -76,8 +76,9 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
             int* volatile kept = new int; // not to be optimised away
             delete kept;
           }) == 1);
-  const char* setting = GENERATE(as<const char*>{}, "solver.linear=direct", "solver.linear=iterative",
-                                 "contact.mass=massless", "time.scheme=contact-stabilized");
+  const char* setting =
+      GENERATE(as<const char*>{}, "solver.linear=direct", "solver.linear=iterative", "contact.mass=massless",
+               "time.scheme=contact-stabilized", "material.prony=[{g=0.3, k=0.1, time=1e-3}]");
   CAPTURE(setting);
   const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
   const problem::Problem& problem = ready.problem;

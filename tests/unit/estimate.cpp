@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/error_estimate.h"
+#include "accuracy/measure.h"
 #include "base/collective.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 
 using namespace signorini;
@@ -253,4 +256,22 @@ TEST_CASE("errors in contact are estimated, those of the desired motion included
     INFO("effectivity " << effectivity);
     CHECK((effectivity > 0.3 && effectivity < 3));
   }
+}
+
+TEST_CASE("the error of J is estimated unless the body relaxes", "[adjoint]") {
+  const bool relaxes = GENERATE(false, true);
+  std::vector<std::string> overrides{"time.end=0.06"};
+  if (relaxes)
+    overrides.emplace_back("material.prony=[{ g = 0.3, time = 0.1 }]");
+  const scene::Scene scene = test::parse(test::source("tests/data/block.toml"), overrides);
+  const accuracy::SamplePoints samples(MPI_COMM_WORLD, scene);
+  const accuracy::Measured measured = accuracy::measure(MPI_COMM_WORLD, scene, samples, {}, true);
+  CHECK(measured.numbers.at("J") > 0);
+  CHECK(measured.estimate.has_value() == !relaxes);
+  if (relaxes)
+    CHECK_THROWS_WITH(
+        accuracy::require_no_relaxation(scene, "--accuracy", "leave it out"),
+        Catch::Matchers::ContainsSubstring("--accuracy: cannot be combined with material.prony"));
+  else
+    CHECK_NOTHROW(accuracy::require_no_relaxation(scene, "--accuracy", "leave it out"));
 }

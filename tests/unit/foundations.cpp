@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/foundations.h"
 #include "fixtures.h"
+#include "scene/parameters.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -108,6 +109,41 @@ TEST_CASE("absorbing foundations have the impedances of the material at each fac
   CHECK(std::abs(energy(body.operators.foundation_B, body.field({"1", "0"})) / along_x - 1) < 1e-13);
   CHECK(std::abs(energy(body.operators.foundation_B, body.field({"0", "1"})) / along_y - 1) < 1e-13);
   CHECK_FALSE(body.operators.foundation_A);
+}
+
+TEST_CASE("absorbing foundations change with the constants of a material that relaxes", "[fem]") {
+  using Of = scene::Parameter;
+  const char* const moduli = GENERATE(as<const char*>{}, "instantaneous", "long-term");
+  const scene::Parameter of =
+      GENERATE(Of::density, Of::young, Of::poisson, Of::prony_g, Of::prony_k, Of::prony_time, Of::beta);
+  CAPTURE(moduli, scene::name(of));
+  const Body body("tests/data/block.toml", 1,
+                  {"foundation=[{on=\"boundary\", absorbing=true}]", std::string("material.moduli=") + moduli,
+                   "material.prony=[{g=0.3, k=0.1, time=0.01}, {g=0.2, k=0.3, time=0.1}]", rayleigh});
+  const auto number = [&](scene::Material& material) -> double& {
+    return of == Of::density   ? material.density
+           : of == Of::young   ? material.young
+           : of == Of::poisson ? material.poisson
+           : of == Of::beta    ? material.rayleigh->beta
+                               : scene::number_of(material.prony[1], of);
+  };
+  const petsc::Vector x = test::smooth(body.space, 1);
+  std::vector<scene::Material> materials = body.scene.materials;
+  double& value = number(materials.front());
+  const double own = value, h = 1e-5 * own;
+  const auto at = [&](double there) {
+    value = there;
+    return energy(fem::assemble_dashpots(body.space, body.scene.foundations, materials), x);
+  };
+  const double difference = (at(own + h) - at(own - h)) / (2 * h), size = at(own) / own;
+  const petsc::Matrix rate =
+      fem::assemble_absorption_rate(body.space, body.scene.foundations, materials, 0, of);
+  const bool fraction = of == Of::prony_g || of == Of::prony_k;
+  const bool constant =
+      of == Of::prony_time || of == Of::beta || (fraction && std::string_view(moduli) == "instantaneous");
+  CHECK((Mat(rate) == nullptr) == constant);
+  CHECK(std::abs((rate ? energy(rate, x) : 0) - difference) < 1e-8 * size);
+  CHECK((std::abs(difference) < 1e-8 * size) == constant);
 }
 
 TEST_CASE("an absorbing foundation inside the body is refused", "[fem]") {

@@ -19,8 +19,8 @@ double norm(std::span<const double> x) {
 TEST_CASE("the adjoint gradient by parameters is that of linearised motions", "[adjoint]") {
   const std::string scheme = GENERATE("contact.mass=\"consistent\"", "time.scheme=\"contact-stabilized\"",
                                       "contact.mass=\"massless\"");
-  const char* const file =
-      GENERATE(as<const char*>{}, "tests/data/parameters.toml", "tests/data/surroundings.toml");
+  const char* const file = GENERATE(as<const char*>{}, "tests/data/parameters.toml",
+                                    "tests/data/surroundings.toml", "tests/data/relaxing.toml");
   CAPTURE(scheme, file);
   const scene::Scene scene = test::parse(test::source(file), {scheme});
   Timers timers;

@@ -24,7 +24,6 @@ TEST_CASE("what the model lacks is refused by its name", "[scene]") {
             "found \"self-contact\", not in this model: contact between"},
            {{"large_rotation=true"}, "large_rotation: not in this model: large rotations and strains;"},
            {{"material.model=\"neo-hookean\""}, "material.model: not in this model: nonlinear materials;"},
-           {{"material.prony=[{ g = 0.3, time = 1e-3 }]"}, "not in this model: relaxation;"},
            {{"mesh.model=\"axisymmetric\""}, "not in this model: plane stress and axial symmetry;"}})
     CHECK_THROWS_WITH(test::parse(test::source("tests/data/block.toml"), settings),
                       ContainsSubstring(said) &&
@@ -34,6 +33,19 @@ TEST_CASE("what the model lacks is refused by its name", "[scene]") {
                     ContainsSubstring("contact.obstakle: unknown key, did you mean \"obstacle\"?"));
   CHECK_THROWS_WITH(test::parse(test::source("tests/data/block.toml"), {"output.title=\"large friction\""}),
                     ContainsSubstring("output.title: unknown key"));
+}
+
+TEST_CASE("a key under another name is refused by its own name", "[scene]") {
+  for (const auto& [setting, said] : std::vector<std::pair<std::string, const char*>>{
+           {"material.prony_series=[]", "material.prony_series: unknown; give relaxation as material.prony"},
+           {"material.relaxation={ time = 1 }", "material.relaxation: unknown; give relaxation as"},
+           {"material.model=\"maxwell\"", "material.model: unknown; give relaxation as"},
+           {"material.tau=1e-3", "material.tau: unknown; give relaxation as"},
+           {"material.g=0.3", "material.g: unknown; give relaxation as"},
+           {"material.prony=[{ g = 0.3, tau = 1e-3 }]",
+            "material.prony[0].tau: unknown; a branch has g and k"},
+           {"material.damping=0.1", "material.damping: unknown; give damping as material.viscosity"}})
+    CHECK_THROWS_WITH(test::parse(test::source("tests/data/block.toml"), {setting}), ContainsSubstring(said));
 }
 
 TEST_CASE("no key that scenes have is refused", "[scene]") {

@@ -23,6 +23,20 @@ TEST_CASE("work that is rounding is no part of the account", "[io]") {
   CHECK_THAT(drivers::summary_lines(m).front(), ContainsSubstring(", -0.125 by contact, -1 by viscosity"));
 }
 
+TEST_CASE("energy and dissipation of branches are named in the account", "[io]") {
+  io::Manifest m;
+  diagnostics::EnergyAccount& energy = m.energy.emplace();
+  energy.kinetic_at_start = 2, energy.relaxation_dissipation = 0.5, energy.kinetic_at_end = 1,
+  energy.elastic_at_end = 0.25, energy.relaxation_at_end = 0.25;
+  CHECK(drivers::summary_lines(m) ==
+        std::vector<std::string>{"energy, kinetic and elastic, with that of branches: 2 J/m at the start, "
+                                 "-0.5 by relaxation: 1.5 at the end, 0.25 of it elastic, 0.25 in branches"});
+  energy.foundation_at_end = 0.125;
+  CHECK_THAT(drivers::summary_lines(m).front(),
+             ContainsSubstring("with that of foundations and branches") &&
+                 ContainsSubstring(", 0.125 in foundations, 0.25 in branches"));
+}
+
 TEST_CASE("contact that never closed is told by its least gap", "[io]") {
   io::Manifest m;
   diagnostics::Impact& impact = m.impact.emplace();

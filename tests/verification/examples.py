@@ -70,6 +70,25 @@ def test_beam(out: Path) -> None:
     assert stored(out, "state", "von_mises")[2].max() / 1e6 >= 10, "MPa"
 
 
+def test_hammered_bar(out: Path) -> None:
+    """The bar is left where the hammer pushed it, at rest: the wave has gone through the absorbing end."""
+    signorini("simulate", SCENES / "hammered-bar.toml", out)
+    steps = table(out / "steps.csv")
+    assert manifest(out)["impact"]["all"]["impulse"][1] == pytest.approx(-0.9, rel=1e-3)
+    assert np.abs(stored(out, "state", "displacement")[2][-1][:, 1] + 0.03).max() < 1e-3 * 0.03
+    assert steps["foundation_dissipation"].sum() / steps["contact_work"].sum() == pytest.approx(1, abs=1e-4)
+    assert not warnings(out)
+
+
+def test_bar_on_springs(out: Path) -> None:
+    """After two periods the bar is where it was, but for Newmark's error of phase, 0.004."""
+    signorini("simulate", SCENES / "bar-on-springs.toml", out)
+    displacement = stored(out, "state", "displacement")[2][:, :, 1]
+    assert np.abs(displacement[5]).max() < 0.01 * np.abs(displacement[0]).max(), "a quarter of a period"
+    assert np.abs(displacement[-1] - displacement[0]).max() < 1e-4 * np.abs(displacement[0]).max()
+    assert not warnings(out)
+
+
 def test_block(out: Path) -> None:
     signorini("optimize", SCENES / "block.toml", out, optimizer__tolerance=1e-6)
     history = table(out / "history.csv")

@@ -8,6 +8,7 @@ from folder_cases import desired_run_cases, first_guess_cases, folder_cases
 from mesh_cases import mesh_content_cases, mesh_file_cases, space_cases
 from obstacle_cases import obstacle_cases
 from option_cases import method_cases, option_cases
+from relaxation_cases import relaxation_cases
 from scene_cases import key_cases, scene_file_cases, type_cases
 from surroundings_cases import surroundings_cases
 from value_cases import dimension_cases, probe_cases, range_cases
@@ -28,6 +29,7 @@ def all_cases() -> list[Case]:
         *time_series_cases(),
         *effect_cases(),
         *surroundings_cases(),
+        *relaxation_cases(),
         *method_cases(),
         *material_cases(),
         *option_cases(),

@@ -16,6 +16,11 @@ def fit_cases() -> list[Case]:
         tables += f"[[measurement]]\n{measurement}\n" if measurement else ""
         return Case(name, expect, edits=(("every = 1", f"every = 1\n\n{tables}"), no_objective, *edits), **more)
 
+    def branches(name: str, unknown: str, series: str, *expect: Expected) -> Case:
+        """An unknown of a material whose series has branches of these fractions g."""
+        tables = ", ".join(f"{{ g = {g}, time = 1e-4 }}" for g in series.split())
+        return fit(name, unknown, force, *expect, edits=(("poisson = 0.3", f"poisson = 0.3\nprony = [{tables}]"),))
+
     force = 'of = "force"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1'
 
     def unknown(name: str, keys: str, *expect: Expected) -> Case:
@@ -47,6 +52,23 @@ def fit_cases() -> list[Case]:
                 "without [[foundation]]"),
         unknown("Rayleigh damping of a material without it", 'of = "rayleigh.beta"', 'unknown[0].of: found "rayleigh.beta"',
                 "without rayleigh"),
+        unknown("fraction of a material without a series", 'of = "prony.g"', 'unknown[0].of: found "prony.g"',
+                "of a material without prony"),
+        unknown("branch of a modulus", 'of = "young"\nbranch = 0', "unknown[0].branch: has an effect only on parameters of a Prony series"),
+        branches("fraction of one of several branches", 'of = "prony.g"', "0.1 0.2", "unknown[0].branch: missing"),
+        branches("fraction beyond the branches", 'of = "prony.g"\nbranch = 2', "0.1 0.2",
+                 "unknown[0].branch: found 2; expected 0 to 1, since the material has 2 branches"),
+        branches("fraction beyond the only branch", 'of = "prony.g"\nbranch = 1', "0.1", "unknown[0].branch: found 1; expected 0,"),
+        branches("branch below zero", 'of = "prony.g"\nbranch = -1', "0.1 0.2", "unknown[0].branch: found -1", "a whole number"),
+        branches("one branch twice", 'of = "prony.time"\n[[unknown]]\nof = "prony.time"\nbranch = 0\nname = "t"', "0.1",
+                 'unknown[1].of: found "prony.time"', "unknown[0] fits too"),
+        branches("fraction of more than all", 'of = "prony.g"\nbranch = 0\nstart = 1.5', "0.1 0.2", "unknown[0].start: found 1.5",
+                 "at most 1"),
+        branches("fractions that start above one together", 'of = "prony.g"\nbranch = 0\nstart = 0.9', "0.1 0.2",
+                 "unknown: found start values of material.prony with fractions g that add up to 1.1", "expected a sum below 1"),
+        branches("relaxation time of zero", 'of = "prony.time"\nlower = 0.0', "0.1", "unknown[0].lower: found 0", "greater than 0"),
+        branches("fraction of zero on a logarithmic scale", 'of = "prony.k"\nscale = "log"', "0.1", "unknown[0].start: found 0",
+                 "greater than 0"),
         fit("dashpots of a foundation of springs", 'of = "damping.normal"', force, 'unknown[0].of: found "damping.normal"',
             "of a foundation without damping",
             edits=(("[initial]", '[[foundation]]\non = "side"\nstiffness = { normal = 1.0 }\n[initial]'),)),

@@ -172,6 +172,19 @@ def test_prior(more: dict[str, object], prior: float, fit: Runner) -> None:
     near(fit([STIFF | more]).history["objective"][0] - fit().history["objective"][0], prior, 1e-9)
 
 
+@pytest.mark.key("unknown.branch")
+def test_unknown_of_a_branch(fit: Runner) -> None:
+    series = [{"g": 0.3, "k": 0.1, "time": 1e-3}, {"g": 0.2, "k": 0.05, "time": 4e-3}]
+    unknown = [{"of": of, "on": "inclusion", "branch": branch} for of, branch in (("prony.g", 1), ("prony.time", 0), ("prony.k", 0))]
+    found = parameters(fit(unknown, material__1__prony=series))
+    assert list(found["name"]) == ["prony.g 1 of inclusion", "prony.time 0 of inclusion", "prony.k 0 of inclusion"]
+    near(found["value"], [0.2, 1e-3, 0.1])
+    assert len(set(found["gradient"])) == 3
+    only = parameters(fit([{"of": "prony.time", "on": "inclusion", "start": 2e-3}], material__1__prony=series[:1]))
+    assert list(only["name"]) == ["prony.time of inclusion"]
+    near(only["value"], [2e-3])
+
+
 @pytest.mark.key("unknown.component", "unknown.obstacle")
 def test_unknown_component_and_obstacle(fit: Runner) -> None:
     found = parameters(fit([{"of": "initial.velocity", "component": "y"}, {"of": "position", "obstacle": "floor"}]))

@@ -20,6 +20,7 @@ FULL = (
         "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
         "load__traction": [{"on": "top", "value": ["0", "0"]}], "load__gravity": [0, 0],
         "load__point": [{"at": [1, 1], "value": [0, 0]}], "material__rayleigh": {"alpha": 0.1, "beta": 1e-3},
+        "material__prony": [{"g": 0.3, "k": 0.1, "time": 0.1}],
         "foundation": [{"on": "top", "stiffness": {"normal": 1.0}, "damping": {"tangential": 1.0}}, {"on": "left", "absorbing": True}],
         "contact": [
             {"on": "bottom", "obstacle": {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}},
@@ -35,7 +36,9 @@ FULL = (
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
     (CORE, COARSE | {
         "unknown": [STIFF | {"lower": 1e6, "upper": 1e9, "prior": {"mean": 2e7, "deviation": 1.0}},
-                    {"of": "initial.velocity", "component": "y"}, {"of": "position", "obstacle": "floor"}],
+                    {"of": "initial.velocity", "component": "y"}, {"of": "position", "obstacle": "floor"},
+                    {"of": "prony.time", "on": "inclusion", "branch": 0}],
+        "material__1__prony": [{"g": 0.3, "time": 1e-3}],
         "measurement": [{"of": "force", "component": "y", "obstacle": "floor", "file": "a.csv", "noise": 0.1},
                         {"of": "displacement", "point": [0, 0.1], "component": "y", "file": "b.csv", "deviation": 1.0},
                         {"of": "velocity", "on": "surface", "component": "x", "file": "b.csv", "deviation": 1.0},
@@ -124,7 +127,8 @@ def default(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp("default")
     return simulate_in(folder, edited(folder / "default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}],
                        foundation=[{"on": "top", "stiffness": {}, "damping": {}}], material__rayleigh={},
-                       initial__velocity=["0", "0"], contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
+                       material__prony=[{"k": 0.1, "time": 1.0}, {"g": 0.1, "time": 1.0}], initial__velocity=["0", "0"],
+                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
                        measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
 
 
@@ -165,7 +169,9 @@ def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, c
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
             own = chosen if name in ("time.tolerance", "time.quantity") else default
-            echoed = get(own.echo, re.sub("^(clamp|measurement|foundation)", r"\1.0", name).split("."))
+            path = re.sub("^(clamp|measurement|foundation|material[.]prony)", r"\1.0", name)
+            # Each branch has a fraction: g has its default in the first branch, k in the second one.
+            echoed = get(own.echo, path.replace("prony.0.k", "prony.1.k").split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}"
             confirmed += 1
     assert confirmed > 20

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fem/compiled_forms.h"
+#include "fem/cell_fields.h"
+#include "viscoelasticity_tetrahedron_1.h"
+#include "viscoelasticity_tetrahedron_2.h"
+#include "viscoelasticity_triangle_1.h"
+#include "viscoelasticity_triangle_2.h"
+#include <dolfinx/fem/utils.h>
+#include <stdexcept>
+
+namespace signorini::fem {
+
+const char* name(Form form) {
+  constexpr std::array names{
+      "L2",        "L2_surface", "L2_cellwise", "L2_cellwise_surface", "springs", "m",    "a", "b", "d",
+      "d_elastic", "m_rho",      "a_young",     "a_poisson",           "b_kappa", "b_eta"};
+  return names.at(static_cast<std::size_t>(form));
+}
+
+#define SIGNORINI_GENERATED(cell, degree)                                                                    \
+  Generated {                                                                                                \
+    {form_viscoelasticity_##cell##_##degree##_L2,                                                            \
+     form_viscoelasticity_##cell##_##degree##_L2_surface,                                                    \
+     form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                   \
+     form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                           \
+     form_viscoelasticity_##cell##_##degree##_springs,                                                       \
+     form_viscoelasticity_##cell##_##degree##_m,                                                             \
+     form_viscoelasticity_##cell##_##degree##_a,                                                             \
+     form_viscoelasticity_##cell##_##degree##_b,                                                             \
+     form_viscoelasticity_##cell##_##degree##_d,                                                             \
+     form_viscoelasticity_##cell##_##degree##_d_elastic,                                                     \
+     form_viscoelasticity_##cell##_##degree##_m_rho,                                                         \
+     form_viscoelasticity_##cell##_##degree##_a_young,                                                       \
+     form_viscoelasticity_##cell##_##degree##_a_poisson,                                                     \
+     form_viscoelasticity_##cell##_##degree##_b_kappa,                                                       \
+     form_viscoelasticity_##cell##_##degree##_b_eta},                                                        \
+    {                                                                                                        \
+      expression_viscoelasticity_##cell##_##degree##_strain,                                                 \
+          expression_viscoelasticity_##cell##_##degree##_stress,                                             \
+          expression_viscoelasticity_##cell##_##degree##_von_mises                                           \
+    }                                                                                                        \
+  }
+
+Generated generated(int dim, int degree) {
+  if (dim == 2 && degree == 1)
+    return SIGNORINI_GENERATED(triangle, 1);
+  if (dim == 2 && degree == 2)
+    return SIGNORINI_GENERATED(triangle, 2);
+  if (dim == 3 && degree == 1)
+    return SIGNORINI_GENERATED(tetrahedron, 1);
+  if (dim == 3 && degree == 2)
+    return SIGNORINI_GENERATED(tetrahedron, 2);
+  throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
+}
+
+namespace {
+
+/// Sets the elastic constants to those of the given moduli.
+void set_moduli(scene::ElasticModuli moduli, ConstantValues& values) {
+  values.young = moduli.young();
+  values.poisson = moduli.poisson();
+}
+
+} // namespace
+
+ConstantValues of_material(const scene::Material& material) {
+  const scene::Viscosity viscosity = material.total_viscosity();
+  ConstantValues values{.rho = material.density,
+                        .young = material.young,
+                        .poisson = material.poisson,
+                        .kappa = viscosity.bulk,
+                        .eta = viscosity.shear};
+  if (material.relaxes())
+    set_moduli(material.long_term(), values);
+  return values;
+}
+
+ConstantValues of_step(const scene::Material& material, double tau) {
+  ConstantValues values = of_material(material);
+  values.tau = tau;
+  if (material.relaxes())
+    set_moduli(material.during_step(tau), values);
+  return values;
+}
+
+ConstantValues of_moduli(scene::ElasticModuli moduli) { return {.kappa = moduli.bulk, .eta = moduli.shear}; }
+
+Constants constants(const ConstantValues& values) {
+  const auto constant = [](double value) {
+    return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
+  };
+  return {{"rho", constant(values.rho)},           {"young", constant(values.young)},
+          {"poisson", constant(values.poisson)},   {"kappa", constant(values.kappa)},
+          {"eta", constant(values.eta)},           {"tau", constant(values.tau)},
+          {"k_normal", constant(values.k_normal)}, {"k_tangential", constant(values.k_tangential)}};
+}
+
+Compiled compile(const Space& space, Form form, const std::vector<std::int32_t>& entities,
+                 const ConstantValues& values) {
+  using enum dolfinx::fem::IntegralType;
+  const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
+  const bool surface = form == Form::L2_surface || form == Form::L2_cellwise_surface || form == Form::springs;
+  const auto type = surface ? exterior_facet : cell;
+  const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
+  const ufcx_form& code = *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form));
+  // Check the generated code, since dolfinx leaves out integrals without entities.
+  constexpr int types = 3; // cells, exterior and interior facets
+  const int at = code.form_integral_offsets[static_cast<int>(type)];
+  if (code.form_integral_offsets[types] != 1 || at != 0 ||
+      code.form_integral_offsets[static_cast<int>(type) + 1] != 1 || code.form_integral_ids[at] != 1)
+    throw std::runtime_error(
+        "forms/viscoelasticity.py: a form must use the measure dx(1) alone, a form on a surface ds(1) alone");
+  return dolfinx::fem::create_form<PetscScalar, double>(code,
+                                                        {V, cellwise_trial ? cellwise(space.mesh()) : V}, {},
+                                                        constants(values), {{type, {{1, entities}}}}, {});
+}
+
+} // namespace signorini::fem
