@@ -1,6 +1,6 @@
 // Bar of length 10 m, upright, as a strip 1 m wide with its lower end on the origin's height; structured, four columns of
 // triangles that mirror each other, so that nothing makes it bend. The element size is that along the bar.
-// Groups: body (surface), contact (the lower end), free (the sides and the upper end).
+// Groups: body (surface), contact (the lower end), free (the sides and the upper end), top (the upper end).
 length = 10;
 width = 1;
 Point(1) = {-width / 2, 0, 0};
@@ -19,3 +19,4 @@ Transfinite Surface{1} = {1, 2, 3, 4} Alternated;
 Physical Surface("body") = {1};
 Physical Curve("contact") = {1};
 Physical Curve("free") = {2, 3, 4};
+Physical Curve("top") = {3};
