@@ -222,6 +222,8 @@ void FieldWriter::guarded(Work&& work) {
 bool FieldWriter::open(std::span<const double> points, std::span<const std::int64_t> topology) {
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_sieve_buf_size(access, 0); // datasets are written whole
+  // The format of HDF5 1.8 takes half the time for each dataset, and finds its place in a group of thousands.
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   file_ = create_hdf5(folder_.staged(data_), H5F_ACC_TRUNC, access);
   layout_list_ = plain_layout();
   const Hdf5Handle meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
