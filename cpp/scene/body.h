@@ -113,8 +113,8 @@ struct Material {
   std::vector<Branch> prony;             ///< branches of the Prony series; empty: no relaxation
   Moduli moduli = Moduli::instantaneous; ///< meaning of `young` and `poisson`; instantaneous without `prony`
 
-  /// Limit of the sums Σg and Σk: 1, less the rounding of sums of decimal fractions.
-  static constexpr double most_relaxed = 1 - 1e-9;
+  /// Limit of the sums Σg and Σk. Beyond it ν is so near to 1/2 or −1 that moduli lose more than four digits.
+  static constexpr double most_relaxed = 1 - 1e-4;
 
   /// Whether the stress depends on the strain rate.
   [[nodiscard]] bool viscous() const { return viscosity || (rayleigh && rayleigh->beta > 0); }

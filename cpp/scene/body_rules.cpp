@@ -24,8 +24,8 @@ std::string excess_of_fractions(const Material& material) {
       sum += branch.*fraction;
     if (!(sum < Material::most_relaxed))
       return fmt::format(
-          "fractions {} that add up to {:.10g}; expected a sum below 1, so that a long-term modulus remains",
-          name, sum);
+          "fractions {} that add up to {:.10g}; expected a sum below {}, so that a long-term modulus remains",
+          name, sum, Material::most_relaxed);
   }
   return {};
 }

@@ -65,7 +65,9 @@ Keys<Time> keys_of(Of<Time>) {
             "contact, `\"energy\"`: the whole motion in the energy norm",
             {.effect = "steps of varying length"}, &Time::automatic_steps),
       value("longest", &Time::longest, Number{above_zero}, "s",
-            "with `step = \"auto\"`: longest step, shortened so that it divides `time.end`",
+            "with `step = \"auto\"`: longest step, shortened so that it divides `time.end`, and to twice the "
+            "times "
+            "of branches of `material.prony` that the shortest step resolves",
             {.otherwise = "an eighth of `time.end`", .effect = "steps of varying length"}),
       value("shortest", &Time::shortest, Number{above_zero}, "s",
             "with `step = \"auto\"`: shortest step, whatever its error",

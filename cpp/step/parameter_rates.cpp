@@ -85,12 +85,9 @@ void ParameterRates::add_relaxing(const scene::Scene& scene, const scene::Unknow
   if (!stiffness)
     stiffness = std::make_shared<const SplitStiffness>(stepper_.space(), scene.materials, material);
   rate.relaxing.emplace(*stepper_.operators().relaxation, scene, unknown, stiffness);
-  using enum scene::Parameter;
-  if (unknown.of == beta || unknown.of == prony_time)
-    return;
   if (petsc::Matrix absorbing = fem::assemble_absorption_rate(stepper_.space(), scene.foundations,
                                                               scene.materials, material, unknown.of))
-    rate.B = symmetric_half(absorbing);
+    rate.B = std::move(absorbing); // in whole blocks, since rows off the surfaces have no diagonal
 }
 
 void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) {

@@ -14,10 +14,10 @@ SplitStiffness::SplitStiffness(const fem::Space& space, const std::vector<scene:
 
 namespace {
 
-/// Derivative of a branch's gain by its relaxation time, c² τ/(2t²).
+/// Derivative of a branch's gain t/(t + τ/2) by its relaxation time t.
 double gain_rate(const Scheme& scheme, double time) {
-  const double gain = scene::branch_step(scheme.tau, time).gain;
-  return gain * gain * scheme.tau / (2 * time * time);
+  const double half = scheme.tau / 2;
+  return half / ((time + half) * (time + half));
 }
 
 } // namespace
@@ -28,24 +28,21 @@ RelaxingRate::RelaxingRate(const fem::Relaxation& relaxation, const scene::Scene
   using enum scene::Parameter;
   const std::size_t number = scene::material_of(scene, unknown);
   const scene::Material& material = scene.materials[number];
-  SplitFactors relaxed{1, 1}; // 1 − Σ g, 1 − Σ k
-  for (const scene::Branch& branch : material.prony) {
-    relaxed.shear -= branch.g;
-    relaxed.bulk -= branch.k;
-  }
+  const scene::ElasticModuli long_term = material.long_term(), instantaneous = material.instantaneous();
+  const SplitFactors relaxed{long_term.shear / instantaneous.shear, long_term.bulk / instantaneous.bulk};
   if (unknown.of == beta) {
     B_ = relaxed;
     return;
   }
   SplitFactors modulus; // logarithmic derivatives of G_0 and K_0
-  const bool long_term = material.moduli == scene::Moduli::long_term;
+  const bool long_term_given = material.moduli == scene::Moduli::long_term;
   if (unknown.of == young)
     modulus = {1 / material.young, 1 / material.young};
   else if (unknown.of == poisson)
     modulus = {-1 / (1 + material.poisson), 2 / (1 - 2 * material.poisson)};
-  else if (unknown.of == prony_g && long_term)
+  else if (unknown.of == prony_g && long_term_given)
     modulus.shear = 1 / relaxed.shear;
-  else if (unknown.of == prony_k && long_term)
+  else if (unknown.of == prony_k && long_term_given)
     modulus.bulk = 1 / relaxed.bulk;
   A_ = {relaxed.shear * modulus.shear - (unknown.of == prony_g ? 1 : 0),
         relaxed.bulk * modulus.bulk - (unknown.of == prony_k ? 1 : 0)};

@@ -39,7 +39,7 @@ public:
     const State& from;
   };
 
-  /// Calls add(matrix, x) for each product of which the derivative of the step's right-hand side consists.
+  /// Calls add(matrix, x) for each product matrix · x in the derivative of the step's right-hand side.
   /// `work`: scratch, which x may be.
   template <class Add>
   void for_each_product(const Step& step, Vec work, Add&& add) const {

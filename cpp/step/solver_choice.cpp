@@ -23,7 +23,7 @@ struct Rates {
   double flops, bytes;
 };
 constexpr Rates cholmod{.flops = 16e9, .bytes = 15e9}, mumps{.flops = 8e9, .bytes = 6e9};
-/// Bytes per second of an iteration by conjugate gradients; machines were measured that read 12 and 20 GB/s.
+/// Bytes per second of an iteration by conjugate gradients; two machines read 12 and 20 GB/s.
 constexpr double iteration_rate = 18e9;
 
 /// Seconds per unknown for the analysis by MUMPS, which one rank makes, and for the distribution of D.

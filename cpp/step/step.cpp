@@ -45,22 +45,12 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
   return fem::least_wave_time(space, scene.materials, surfaces);
 }
 
-/// Returns the lengths that automatic steps may have; none if time.step is given. At the usual tolerance
-/// (1e-2) the shortest is at most half of `wave_time` (s). It scales with the root of the tolerance, since
-/// the error of a contact that begins within a step falls as the square of the step's length.
-std::optional<StepLengths> step_lengths(const scene::Time& time, double wave_time) {
-  constexpr double usual_tolerance = 1e-2;
-  if (!time.automatic())
-    return std::nullopt;
-  return StepLengths(time, wave_time / 2 * std::sqrt(time.tolerance / usual_tolerance));
-}
-
 } // namespace
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
                  Needs needs)
     : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
-      wave_time_(step::wave_time(space, scene)), step_lengths_(step::step_lengths(scene.time, wave_time_)),
+      wave_time_(step::wave_time(space, scene)), step_lengths_(step::step_lengths(scene, wave_time_)),
       end_(step_lengths_ ? step_lengths_->end : scene.time.steps * scene.time.step),
       first_length_(step_lengths_ ? step_lengths_->shortest_step() : scene.time.step),
       clamped_(space, scene.clamps) {

@@ -24,6 +24,20 @@ StepLengths::StepLengths(const scene::Time& time, double floor)
         std::clamp(static_cast<int>(std::floor(std::log2(length(0) / *time.shortest) + rounding)), 0, levels);
 }
 
+std::optional<StepLengths> step_lengths(const scene::Scene& scene, double wave_time) {
+  constexpr double usual_tolerance = 1e-2;
+  if (!scene.time.automatic())
+    return std::nullopt;
+  scene::Time time = scene.time;
+  const double floor = wave_time / 2 * std::sqrt(time.tolerance / usual_tolerance),
+               shortest = StepLengths(time, floor).shortest_step();
+  for (const scene::Material& material : scene.materials)
+    for (const scene::Branch& branch : material.prony)
+      if (const double limit = 2 * branch.time; limit >= shortest)
+        time.longest = std::min(limit, time.longest.value_or(time.end / scene::Time::usual_longest));
+  return StepLengths(time, floor);
+}
+
 int StepLengths::level(double tau) const { return static_cast<int>(std::lround(std::log2(length(0) / tau))); }
 
 TimeGrid::TimeGrid(double tau, int steps) : TimeGrid(Steps{tau, steps, {}, {}}) {}

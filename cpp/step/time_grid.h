@@ -38,6 +38,13 @@ struct StepLengths {
   [[nodiscard]] std::int64_t ticks() const { return longest * parts(levels); }
 };
 
+/// Returns the lengths that automatic steps may have; none if time.step is given. At the usual tolerance
+/// (1e-2) the shortest is at most half of `wave_time` (s). It scales with the root of the tolerance, since
+/// the error of a contact that begins within a step falls as the square of the step's length. The longest is
+/// at most twice the time of each branch that relaxes and that the shortest steps resolve: in longer steps
+/// its internal displacement would alternate in sign.
+std::optional<StepLengths> step_lengths(const scene::Scene& scene, double wave_time);
+
 /// Step k of a motion, from t_{k−1} to t_k. k = 0 stands for the initial state, to which no step leads: its
 /// begin and end are t_0, its tau is the length of a first step.
 struct TimeStep {

@@ -49,14 +49,18 @@ on = "top"
 absorbing = true
 """
 CASES |= {"surroundings": (2, half_space(2), SURROUNDED), "surroundings in space": (3, half_space(3), SURROUNDED)}
-# So far from the values of the data that J is more than what conjugate gradients leave of it.
-RELAXED = [{"of": "initial.velocity", "start": 0.95}, {"of": "young", "start": 1.25e8}, {"of": "poisson", "start": 0.29}, {"of": "density", "start": 1.1},
-           {"of": "bulk", "start": 1.1e4}, {"of": "shear", "start": 1.9e4}, {"of": "rayleigh.beta", "start": 1.2e-4},
+# So far from the values of the data that J is more than what conjugate gradients leave of it; one fraction starts at its bound.
+RELAXED = [{"of": "initial.velocity", "start": 0.95}, {"of": "young", "start": 1.25e8}, {"of": "poisson", "start": 0.29},
+           {"of": "density", "start": 1.1}, {"of": "shear", "start": 1.9e4},
+           {"of": "rayleigh.beta", "start": 1.2e-4},
            *({"of": f"prony.{name}", "branch": branch, "start": start}
-             for branch, starts in enumerate(({"g": 0.28, "k": 0.22, "time": 1.1e-3}, {"g": 0.21, "k": 0.09, "time": 0.9e-2}))
+             for branch, starts in enumerate(({"g": 0.28, "k": 0.22, "time": 1.1e-3}, {"g": 0.21, "k": 0.0, "time": 0.9e-2}))
              for name, start in starts.items())]  # fmt: skip
-# Two branches, one about as fast as the impact and one slower, beside viscosity.
+# Two branches, one about as fast as the impact and one slower, beside viscosity and an absorbing top.
 RELAXATION = """
+[[foundation]]
+on = "top"
+absorbing = true
 [material.rayleigh]
 beta = 1e-4
 [[material.prony]]
@@ -86,7 +90,8 @@ COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as m
 
 def settings(name: str, scheme: str) -> list[str]:
     """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
-    if name not in ("plane", "surroundings", "relaxing") and (name not in ("ball", "space", "relaxing in space") or scheme != "contact-stabilized"):
+    once = "contact-stabilized" if name in ("ball", "space", "relaxing in space") else None
+    if name not in ("plane", "surroundings", "relaxing") and scheme != once:
         return ["as it is"]
     return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
 

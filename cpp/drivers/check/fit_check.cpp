@@ -45,7 +45,7 @@ public:
                                 "steps). J may have a kink at the first guess.",
                                 weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
-      jacobian(j, {&linearised.jacobian[j * m], m}, rows);
+      jacobian(j, linearised.residuals, {&linearised.jacobian[j * m], m}, rows);
       taylor(j, rows);
     }
     const optimize::Identified known = optimize::identified(linearised.normal_matrix(), x_.size());
@@ -90,20 +90,38 @@ private:
     }
   }
 
-  /// Compares a column of the Jacobian with central differences: the best agreement among differences of
-  /// several sizes that keep the active sets on both sides.
-  void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
+  /// Two changes of an unknown for a difference of second order: opposite ones or, at a bound, two to one
+  /// side.
+  struct Changes {
+    double p, q;
+
+    /// Returns the slope at 0 of the parabola through the values at 0, p and q.
+    [[nodiscard]] double slope(double at_0, double at_p, double at_q) const {
+      return q / (p * (q - p)) * (at_p - at_0) - p / (q * (q - p)) * (at_q - at_0);
+    }
+  };
+  [[nodiscard]] Changes changes(std::size_t j, double size) const {
+    const auto& box = problem_.misfit.box();
+    return {x_[j] + size > box.upper[j] ? -2 * size : size, x_[j] - size < box.lower[j] ? 2 * size : -size};
+  }
+
+  /// Compares a column of the Jacobian with differences of second order, central ones or, at a bound, to one
+  /// side: the best agreement among differences of several sizes that keep the active sets. `here`: residuals
+  /// at x_.
+  void jacobian(std::size_t j, std::span<const double> here, std::span<const double> column,
+                std::vector<CheckRow>& rows) const {
     const std::string name =
         fmt::format("d(values)/d({}) against differences", problem_.scene.unknowns[j].name);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 8; ++i) {
       const double epsilon = unit(j) * std::pow(10, -3.5 - 0.5 * i);
-      const std::optional<Trial> above = at(j, epsilon), below_it = at(j, -epsilon);
-      if (!above || !below_it || !above->kept || !below_it->kept)
+      const Changes changed = changes(j, epsilon);
+      const std::optional<Trial> first = at(j, changed.p), second = at(j, changed.q);
+      if (!first || !second || !first->kept || !second->kept)
         continue;
       double off = 0;
       for (std::size_t k = 0; k < column.size(); ++k)
-        off = std::hypot(off, (above->residuals[k] - below_it->residuals[k]) / (2 * epsilon) - column[k]);
+        off = std::hypot(off, changed.slope(here[k], first->residuals[k], second->residuals[k]) - column[k]);
       least = std::min(least, lengths_[j] > 0 ? off / lengths_[j] : off);
       if (constexpr double clear = 1e-7; least < clear)
         break;
@@ -145,13 +163,14 @@ private:
           {against, "active sets change for every difference tried", "one with unchanged sets", false});
       return;
     }
-    const std::optional<Trial> above = at(j, widest), below_it = at(j, -widest);
-    if (!above || !below_it || !below_it->kept) {
-      rows.push_back(
-          {against, "active sets change for the opposite difference", "unchanged sets on both sides", false});
+    const Changes changed = changes(j, widest);
+    const std::optional<Trial> first = at(j, changed.p), second = at(j, changed.q);
+    if (!first || !second || !first->kept || !second->kept) {
+      rows.push_back({against, "active sets change for the other difference",
+                      "unchanged sets in both differences", false});
       return;
     }
-    const double slope = (above->value - below_it->value) / (2 * widest), lost = rounding_ * here_ / widest,
+    const double slope = changed.slope(here_, first->value, second->value), lost = rounding_ * here_ / widest,
                  size = std::max(std::abs(slope), std::abs(by_x_[j]));
     rows.push_back(
         size > 0 ? below(against, std::abs(slope - by_x_[j]) / size, std::max(1e-6, clear * lost / size))
