@@ -115,3 +115,20 @@ TEST_CASE("energy and momentum laws hold in materials that relax", "[forward]") 
   CHECK(stored > 1e-2);
   CHECK(lost > 1e-2);
 }
+
+TEST_CASE("automatic steps are at most twice the time of a branch that the shortest resolve", "[forward]") {
+  scene::Scene scene;
+  scene.time.end = 0.6;
+  constexpr double wave_time = 1e-3;
+  scene.materials.resize(1);
+  const double longest = step::step_lengths(scene, wave_time)->longest_step(),
+               shortest = step::step_lengths(scene, wave_time)->shortest_step();
+  CHECK(longest == scene.time.end / scene::Time::usual_longest);
+  scene.materials[0].prony = {{.g = 0.1, .time = 1.0}, {.g = 0.1, .time = shortest / 4}};
+  CHECK(step::step_lengths(scene, wave_time)->longest_step() == longest); // one slow, one too fast to resolve
+  scene.materials[0].prony.push_back({.k = 0.1, .time = 0.01});
+  const step::StepLengths limited = *step::step_lengths(scene, wave_time);
+  CHECK(limited.longest_step() <= 2 * 0.01);
+  CHECK(limited.longest_step() > 0.9 * 2 * 0.01);
+  CHECK(limited.shortest_step() <= 2 * shortest);
+}
