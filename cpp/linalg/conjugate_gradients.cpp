@@ -123,8 +123,8 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most)
 void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double most) {
   // Work of an iteration by multigrid, and of its set-up, in iterations by block Jacobi; from the long steps
   // of `./dev bench courant`.
-  constexpr double cycle = 12, setup = 600;
-  constexpr double few = 60; // multigrid takes five at least
+  constexpr double cycle = 22, setup = 600;
+  constexpr double few = 5 * cycle; // multigrid takes five iterations at least
   preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
   trial_work_ = try_out(most);
   if (Preconditioner::given_by_options()) {
