@@ -147,13 +147,13 @@ def on_ranks(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_ranks(on_ranks: Path, tmp_path: Path) -> None:
-    """J is that of an uninterrupted run but for rounding, which each iteration magnifies up to four times."""
+    """J is that of an uninterrupted run but for rounding, which kinks double with each iteration."""
     complete(tmp_path, optimizer__max_iterations="20")
     there, here = (table(out / "history.csv")["objective"] for out in (tmp_path, on_ranks))
     difference = np.abs(here / there[: len(here)] - 1)
-    print(f"8 iterations on 1 rank, 4 on 2, 4 on 3, 4 on 1: J differs by {difference.max():.1e} at most")
+    print("8 iterations on 1 rank, 4 on 2, 4 on 3, 4 on 1: J differs by", ", ".join(f"{one:.1e}" for one in difference[9:]))
     assert len(here) == 21 and difference[:9].max() == 0
-    assert np.all(difference[9:] < 1e-13 * 4.0 ** np.arange(1, 13))
+    assert np.all(difference[9:] < 1e-11 * 2.0 ** np.arange(1, 13))
 
 
 @pytest.fixture(scope="module")
