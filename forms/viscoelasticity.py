@@ -2,8 +2,14 @@
 """The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain, and the fields of its stress.
 
 Notation: displacement y, velocity v, test function phi in V, the continuous vector Lagrange
-functions; eps(y) = sym grad y. In two dimensions the body is in plane strain: eps has no
-out-of-plane component, the tensors below are its in-plane parts.
+functions; eps(y) = sym grad y, in two dimensions by one of three models (eps_zz is the component out of the plane):
+
+    plane strain         eps_zz = 0; a body of depth 1 m
+    plane stress         eps_zz such that sigma_zz = 0: lambda becomes 2 lambda mu/(lambda + 2 mu) in the plane, and
+                         kappa - 2 eta/3 changes likewise; depth 1 m. This holds for all times only if
+                         kappa/eta is the ratio of bulk and shear modulus, which the program requires
+    axial symmetry       x is the radius r, y the axis; the third direction is that around the axis:
+                         eps_zz = y_r/r, and int stands for int 2 pi r over the half section: the whole body
 
     L2(y, phi) = int y . phi                                                  W
     L2_surface(y, phi) = int y . phi over a surface
@@ -18,8 +24,8 @@ out-of-plane component, the tensors below are its in-plane parts.
     m_rho, a_young, a_poisson, b_kappa, b_eta   the derivatives of m, a, b by these constants, for fits
 
 Fields of a displacement and a velocity, constants on a cell: their values at its midpoint, which are the means over
-the cell for both degrees (strains of degree 2 are linear in it). They are tensors of three dimensions in the plane
-too, with the out-of-plane stress (lambda tr eps(y) + (kappa - 2 eta/3) tr eps(v)) e_z e_z.
+the cell for both degrees (strains of degree 2 are linear in it; y_r/r is not). They are tensors of three dimensions
+in the plane too, with the out-of-plane stress (lambda tr eps(y) + (kappa - 2 eta/3) tr eps(v)) e_z e_z.
 
     strain     eps(y)
     stress     sigma = lambda tr eps(y) I + 2 mu eps(y) + (kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)
@@ -28,7 +34,7 @@ too, with the out-of-plane stress (lambda tr eps(y) + (kappa - 2 eta/3) tr eps(v
 The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface: which these are is
 said when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
 
-The build compiles this page for every cell and degree it is asked for (signorini_add_forms in
+The build compiles this page for every cell, degree and model it is asked for (signorini_add_forms in
 forms/CMakeLists.txt) and again whenever it is edited. The names of the forms and of the
 constants are those that cpp/fem/compiled_forms.cpp asks for.
 """
@@ -37,8 +43,9 @@ import basix.ufl
 import ufl
 
 
-def forms(cell: str, degree: int) -> dict[str, object]:
-    """The forms and fields on `cell` ("triangle", "tetrahedron") for Lagrange functions of `degree`."""
+def forms(cell: str, degree: int, model: str = "plane_strain") -> dict[str, object]:
+    """The forms and fields on `cell` ("triangle", "tetrahedron") for Lagrange functions of `degree`; in two dimensions
+    by `model`: "plane_strain", "plane_stress" or "axisymmetric"."""
     dim = {"triangle": 2, "tetrahedron": 3}[cell]
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     V = ufl.FunctionSpace(domain, basix.ufl.element("Lagrange", cell, degree, shape=(dim,)))
@@ -54,28 +61,42 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     k_normal = ufl.Constant(domain)  # springs along the normal, N/m^3; dashpots, N s/m^3
     k_tangential = ufl.Constant(domain)  # springs across the normal, the same units
 
-    dx, ds = ufl.dx(1), ufl.ds(1)  # the cells and the facets that are given at assembly
+    # The cells and the facets that are given at assembly, with the depth of the body there.
+    r = ufl.SpatialCoordinate(domain)[0]
+    if model == "axisymmetric":
+        exact = {"quadrature_degree": 2 * degree + 2}  # of all terms without 1/r; points are inside the cells, r > 0
+        depth, dx, ds = 2 * ufl.pi * r, ufl.dx(1, metadata=exact), ufl.ds(1, metadata=exact)
+    else:
+        depth, dx, ds = 1, ufl.dx(1), ufl.ds(1)
 
     density, E, nu, bulk, shear = (ufl.variable(constant) for constant in (rho, young, poisson, kappa, eta))
     lmbda = E * nu / ((1 + nu) * (1 - 2 * nu))
     mu = E / (2 * (1 + nu))
+    # By the out-of-plane strain of plane stress, the first modulus in the plane, lambda or that of viscosity, falls.
+    in_plane = (1 - 2 * nu) / (1 - nu) if model == "plane_stress" else 1
+
+    def in_space(w):
+        e = ufl.sym(ufl.grad(w))
+        across = {"plane_strain": 0, "plane_stress": -nu / (1 - nu) * ufl.tr(e), "axisymmetric": w[0] / r}
+        e_zz = across[model] if dim == 2 else e[2, 2]
+        return ufl.as_tensor([[e[i, j] if max(i, j) < dim else e_zz if i == j else 0 for j in range(3)] for i in range(3)])
 
     def eps(w):
-        return ufl.sym(ufl.grad(w))
+        return in_space(w) if model == "axisymmetric" else ufl.sym(ufl.grad(w))
 
     def isotropic(first, second, e):
         return first * ufl.tr(e) * ufl.Identity(e.ufl_shape[0]) + 2 * second * e
 
-    L2 = ufl.inner(y, phi) * dx
-    L2_surface = ufl.inner(y, phi) * ds
-    L2_cellwise = ufl.inner(u, phi) * dx
-    L2_cellwise_surface = ufl.inner(u, phi) * ds
+    L2 = depth * ufl.inner(y, phi) * dx
+    L2_surface = depth * ufl.inner(y, phi) * ds
+    L2_cellwise = depth * ufl.inner(u, phi) * dx
+    L2_cellwise_surface = depth * ufl.inner(u, phi) * ds
     n = ufl.FacetNormal(domain)
     along = ufl.inner(y, n) * ufl.inner(phi, n)
-    springs = (k_normal * along + k_tangential * (ufl.inner(y, phi) - along)) * ds
-    inertia = density * ufl.inner(y, phi)
-    elasticity = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi))
-    viscosity = ufl.inner(isotropic(bulk - 2 * shear / 3, shear, eps(y)), eps(phi))
+    springs = depth * (k_normal * along + k_tangential * (ufl.inner(y, phi) - along)) * ds
+    inertia = depth * (density * ufl.inner(y, phi))
+    elasticity = depth * ufl.inner(isotropic(in_plane * lmbda, mu, eps(y)), eps(phi))
+    viscosity = depth * ufl.inner(isotropic(in_plane * (bulk - 2 * shear / 3), shear, eps(y)), eps(phi))
     m, a, b = inertia * dx, elasticity * dx, viscosity * dx
     d_elastic = m + tau**2 / 4 * a
     d = d_elastic + tau / 2 * b
@@ -86,11 +107,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
 
     displacement, velocity = ufl.Coefficient(V), ufl.Coefficient(V)
 
-    def in_space(e):
-        return ufl.as_tensor([[e[i, j] if max(i, j) < dim else 0 for j in range(3)] for i in range(3)])
-
-    strain = in_space(eps(displacement))
-    stress = isotropic(lmbda, mu, strain) + isotropic(bulk - 2 * shear / 3, shear, in_space(eps(velocity)))
+    strain = in_space(displacement)
+    stress = isotropic(lmbda, mu, strain) + isotropic(bulk - 2 * shear / 3, shear, in_space(velocity))
     von_mises = ufl.sqrt(1.5 * ufl.inner(ufl.dev(stress), ufl.dev(stress)))
     midpoint = basix.geometry(basix.CellType[cell]).mean(axis=0, keepdims=True)
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Film of the deformed body beside its obstacles: colours show the displacement, arrows the contact forces.
 
-A body in space is seen from the side, along the obstacle's plane.
+A body in space is seen from the side, along the obstacle's plane; of a body of revolution the full section is shown,
+with the contact pressure in place of forces.
 
 Displacements below 2 % of the body's size are enlarged, and the picture shows the factor. The gap of the node nearest
 to an obstacle and the obstacle's motion are then enlarged with them: this node touches in the picture when it does in
@@ -12,7 +13,7 @@ import math
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +35,7 @@ from .files import Unreadable
 from .mesh import Mesh
 from .obstacle_artists import GREY, obstacle_artists
 from .obstacles import Obstacle
-from .run_folder import Contact, RunFolder, nearest
+from .run_folder import RunFolder, nearest
 from .scenery import comes_near, drawn_obstacles, picture
 from .view import View, view_of
 
@@ -50,12 +51,19 @@ SPACING = 0.012  # least distance of arrows, as a part of the body's size
 
 @dataclass(frozen=True)
 class Forces:
-    """Contact forces: points on which they act (frames × nodes × 2, m), sizes (frames × nodes, `unit`), directions (nodes × 2)."""
+    """Contact forces, or pressures on a body of revolution: points on which they act (frames × nodes × 2, m), sizes (frames × nodes,
+    `unit`), directions (nodes × 2)."""
 
     points: np.ndarray
     sizes: np.ndarray
     directions: np.ndarray
     unit: str
+
+    def mirrored(self) -> "Forces":
+        """Returns the forces on a half section and on its mirror image."""
+        image = np.repeat([False, True], len(self.directions))
+        return Forces(on_both_sides(np.tile(self.points, (1, 2, 1)), image), np.tile(self.sizes, (1, 2)),
+                      on_both_sides(np.tile(self.directions, (2, 1)), image), self.unit)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -103,8 +111,18 @@ def read_motion(run: RunFolder) -> Motion:
     if run.has_contact and run.has_contact_table:
         forces = read_forces(run, view, series.mesh, times, displacement, enlarged, stride)
     mesh, _ = view.seen(series.mesh)
+    if run.axisymmetric:
+        mesh, source = mesh.mirrored()
+        position, magnitude = on_both_sides(position[:, source], mesh.points[:, 0] < 0), magnitude[:, source]
+        obstacles = [replace(obstacle, mirrored=True) for obstacle in obstacles]
+        forces = None if forces is None else forces.mirrored()
     return Motion(mesh, view, times, magnitude, view.project(position), enlarged, forces, obstacles,
                   picture(obstacles, times, position, series.mesh.size))  # fmt: skip
+
+
+def on_both_sides(points: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """Returns points or directions (… × nodes × 2), those of the mirror image reflected about the axis x = 0."""
+    return points * np.column_stack([np.where(image, -1, 1), np.ones(len(image))])
 
 
 def enlargement(largest: float, size: float) -> float:
@@ -126,8 +144,10 @@ def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displ
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
     every = math.ceil(SPACING * mesh.size / spacing) or 1 if spacing else 1
-    return Forces(view.project(points[:, ::every]), frame_forces(contact, times, stride)[:, ::every],
-                  view.project(contact.normal[::every]), style.per_depth("N", run.dim))
+    # The force of a node of a body of revolution acts on a ring, which is the longer, the farther it is from the axis.
+    acting, unit = (contact.pressure, "Pa") if run.axisymmetric else (contact.force, style.per_depth("N", run.whole))
+    return Forces(view.project(points[:, ::every]), frame_means(contact.times, acting, times, stride)[:, ::every],
+                  view.project(contact.normal[::every]), unit)
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
@@ -143,14 +163,14 @@ def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> n
     return weight * displacement[:, pair[:, 0]] + (1 - weight) * displacement[:, pair[:, 1]]
 
 
-def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
-    """Returns nodal forces (frames × nodes, N, in the plane N/m): means over the stored steps since the last frame.
+def frame_means(stored: np.ndarray, forces: np.ndarray, times: np.ndarray, stride: int) -> np.ndarray:
+    """Returns forces or pressures (frames × nodes): means over the steps stored (s) since the last frame.
 
     Means take at least two steps: single forces alternate from step to step, and only their mean is meaningful.
     """
-    last = [nearest(contact.times, time) for time in times]
+    last = [nearest(stored, time) for time in times]
     first = [max(1, index - max(stride, 2) + 1) for index in last]
-    return np.stack([contact.force[min(i, j): j + 1].mean(axis=0) for i, j in zip(first, last)])
+    return np.stack([forces[min(i, j): j + 1].mean(axis=0) for i, j in zip(first, last)])
 
 
 class Stage:
@@ -215,8 +235,11 @@ def scenery(motion: Motion) -> Axes:
     """Makes the axes, in a figure of their own."""
     axes = style.plan(*view(motion), motion.view.names, DOTS_PER_INCH)
     scale = "true to scale" if motion.enlarged == 1 else f"displacement × {motion.enlarged:g}"
-    axes.annotate(scale, (1, 0), (0, -28), xycoords="axes fraction", textcoords="offset points", ha="right", va="top",
-                  fontsize=12)
+    # Below the colours, where a narrow figure has room beside the name of the horizontal axis.
+    axes.annotate(scale, (1, 0), (-8, -28), xycoords=("figure fraction", "axes fraction"), textcoords="offset points", ha="right",
+                  va="top", fontsize=12)
+    if motion.view.names[0] == "radius":
+        axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
     return axes
 
 

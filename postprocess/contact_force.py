@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9).
+"""Nodal contact force over the horizontal position, or the radius, of the undeformed body at one time (seed, Fig. 9).
 
 In space, colours at the candidates' places show it, seen along the obstacle's normal. Beside a curved obstacle, or several, it
 is drawn over the position along the surface.
@@ -18,6 +18,7 @@ from . import style
 from .boundary import arc_of
 from .command_line import run_alone
 from .files import NotInRun
+from .report_contact import origin
 from .run_folder import RunFolder, nearest
 from .scenery import main_normal
 
@@ -31,27 +32,28 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     index = nearest(contact.times, time)
     if given is None and not contact.force[index].any():  # of a run by an earlier version
         raise NotInRun("no stored step is in contact; output.every = 1 stores all steps")
-    factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
+    factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.whole))
     label = f"nodal contact force ({unit})"
     if run.dim == 3:
         axes = over_plane(main_normal(run), contact.points, contact.force[index] * factor, label)
     elif (normal := run.plane_normal) is not None:
-        axes = over_line(normal, contact.points, contact.force[index] * factor, label)
+        tangent = np.array([1.0, 0.0]) if run.axisymmetric else np.array([normal[1], -normal[0]])
+        name = run.axis_names[0] if run.axisymmetric else position_name(tangent)
+        axes = over_line(tangent, name, contact.points, contact.force[index] * factor, label)
     else:
         axes = over_arc(run, index, factor, label)
     style.show_time(axes, contact.times[index])
     return [style.save(axes.figure, run.path / "figures" / "contact_force.png")]
 
 
-def over_line(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
-    """Draws a curve over the position along the plane (m)."""
-    tangent = np.array([normal[1], -normal[0]])
+def over_line(tangent: np.ndarray, name: str, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
+    """Draws a curve over the position along the plane (m), which has a name."""
     position = points @ tangent
     order = np.argsort(position)
     _, axes = style.graph()
     position, force = position[order], force[order]
     axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
-    axes.set_xlabel(f"{position_name(tangent)} (m)")
+    axes.set_xlabel(f"{name} (m)")
     axes.set_ylabel(label)
     axes.set_ylim(0, 1.06 * force.max() or 1)
     return axes
@@ -61,7 +63,7 @@ def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
     """Draws a curve over the position along the surface (m), where the obstacle is curved or there are several; interrupted where
     the surface is."""
     contact = run.contact.by_node()
-    arc = arc_of(run.boundary_mesh, contact.points, contact.most_pushed)
+    arc = arc_of(run.boundary_mesh, contact.points, origin(run, contact))
     force = contact.force[index][arc.order] * factor
     _, axes = style.graph()
     for part in np.unique(arc.part):

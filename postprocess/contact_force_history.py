@@ -30,7 +30,7 @@ def draw(run: RunFolder) -> list[Path]:
         force, label = run.normal_force, "normal contact force"
     except NotInRun:
         force, label = np.linalg.norm(run.resultant, axis=1), "resultant contact force"
-    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
+    factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
 
     figure, axes = style.graph()
     times = style.time_axis(axes, run.steps["time"])

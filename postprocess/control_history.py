@@ -11,7 +11,7 @@ if not __package__:  # called by its file
 
 from . import style
 from .command_line import run_alone
-from .report_control import resultant_of
+from .report_control import components, resultant_of
 from .run_folder import RunFolder
 
 LOOKS = [(style.BLUE, "-"), (style.VERMILION, "--"), (style.GREEN, "-.")]
@@ -21,12 +21,13 @@ def draw(run: RunFolder) -> list[Path]:
     """Draws the resultant of the control in each step."""
     control = run.field("control.xdmf", "control")
     force = resultant_of(run, control)
-    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
+    factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
 
     figure, axes = style.graph()
     starts = np.concatenate([[0.0], control.times])
     times = style.time_axis(axes, starts)
-    for name, values, (colour, dash) in zip("xyz", force.T * factor, LOOKS):
+    for (axis, name), (colour, dash) in zip(components(run).items(), LOOKS):
+        values = force[:, axis] * factor
         axes.step(times, np.append(values[0], values), where="pre", color=colour, linestyle=dash, label=f"${name}$")
     axes.set_ylabel(f"resultant of the control ({unit})")
     style.legend_above(axes)

@@ -23,7 +23,7 @@ def draw(run: RunFolder) -> list[Path]:
     dissipated, further = dissipated_so_far(steps), further_energies(steps)
     potential = potential_of_loads(steps)
     total = stored_energy(steps) + (0 if potential is None else potential)
-    factor, unit = style.prefixed(max(total.max(), dissipated[-1]), style.per_depth("J", run.dim))
+    factor, unit = style.prefixed(max(total.max(), dissipated[-1]), style.per_depth("J", run.whole))
 
     figure, axes = style.graph()
     times = style.time_axis(axes, steps["time"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The terms of the energy account over the steps of a run; J, in the plane J/m."""
+"""The terms of the energy account over the steps of a run; J, or J/m in plane strain and plane stress."""
 
 from collections.abc import Mapping
 

@@ -64,6 +64,28 @@ class Mesh:
         distinct, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
         return distinct[count == 1], first[count == 1] // 3
 
+    def mirrored(self) -> tuple["Mesh", np.ndarray]:
+        """Returns a half section, x ≥ 0, joined with its mirror image, and the half's node for each node; those off the axis come
+        again as the image's."""
+        count, off = len(self.points), np.flatnonzero(self.off_axis())
+        image = np.arange(count)
+        image[off] = count + np.arange(len(off))
+        source = np.append(np.arange(count), off)
+        points = self.points[source]
+        points[count:, 0] *= -1
+        return Mesh(points, np.concatenate([self.cells, image[self.cells[:, ::-1]]])), source
+
+    def rim(self) -> np.ndarray:
+        """Returns the boundary edges of a half section, x ≥ 0, that are not on the axis, with the body to their left."""
+        edges, cells = self._edges()
+        a, b, inside = self.points[edges[:, 0]], self.points[edges[:, 1]], self.points[self.cells[cells]].mean(axis=1)
+        left = (b - a)[:, 0] * (inside - a)[:, 1] > (b - a)[:, 1] * (inside - a)[:, 0]
+        return np.where(left[:, None], edges, edges[:, ::-1])[self.off_axis()[edges].any(axis=1)]
+
+    def off_axis(self) -> np.ndarray:
+        """Flags the nodes of a half section that are not on the axis x = 0."""
+        return self.points[:, 0] > 1e-9 * self.size
+
     def boundary_nodes(self) -> np.ndarray:
         """Returns the node numbers of the boundary, ascending."""
         return np.unique(self.facets()[0])

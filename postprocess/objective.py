@@ -21,7 +21,7 @@ def draw(run: RunFolder) -> list[Path]:
     if not shown.any():
         raise NotInRun("the objective was never above its last value")
     # J is a time integral of squared L2 norms of a length; of a fit, of residuals in standard deviations.
-    unit = "1" if run.is_fit else f"m{'⁴' if run.dim == 2 else '⁵'} s"
+    unit = "1" if run.is_fit else f"m{'⁵' if run.whole else '⁴'} s"
     last = f"J_{{{iteration[-1]:.0f}}}"
 
     figure, axes = style.graph()

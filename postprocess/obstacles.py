@@ -15,12 +15,13 @@ Facets = tuple[np.ndarray, np.ndarray]  # points n × dim, m, and their numbers 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Surface of an obstacle, segments in the plane and triangles in space: its points at the start and, if it moves, their
-    displacements at each stored time (times × n × dim). If it changes its shape, each time has points and facets of its own,
-    which begin at `first_point` and `first_facet` (times + 1).
+    """Surface of an obstacle, segments in the plane, or of the half section in axial symmetry, and triangles in space: its points
+    at the start and, if it moves, their displacements at each stored time (times × n × dim). If it changes its shape, each time has
+    points and facets of its own, which begin at `first_point` and `first_facet` (times + 1).
 
     `flat`: a plane; `whole`: no part of it was left out. `gap`: gaps of its candidates in the undeformed body at the start (m);
-    `normal`: directions out of the obstacle there (m × dim)."""
+    `normal`: directions out of the obstacle there (m × dim). `half`: the points are a half section, x ≥ 0, of an obstacle of
+    revolution; `mirrored`: both halves of it are drawn."""
 
     name: str
     flat: bool
@@ -35,6 +36,8 @@ class Obstacle:
     first_facet: np.ndarray | None = None
     enlarged: float = 1.0
     shift: np.ndarray | float = 0.0
+    half: bool = False
+    mirrored: bool = False
 
     @property
     def moves(self) -> bool:
@@ -47,6 +50,10 @@ class Obstacle:
 
     def at(self, time: float) -> Facets:
         """Returns the surface at the stored time nearest to `time` (s)."""
+        return both_halves(*self.own(time)) if self.mirrored else self.own(time)
+
+    def own(self, time: float) -> Facets:
+        """Returns the surface at that time as the run wrote it, without a mirror image."""
         if not self.moves:
             return self.points + self.shift, self.facets
         index = int(np.argmin(np.abs(self.times - time)))
@@ -66,19 +73,27 @@ class Obstacle:
         return replace(self, enlarged=enlarged, shift=shift)
 
 
-def read_obstacles(file: Path, names: list[str]) -> list[Obstacle]:
-    """Reads the obstacles of a run, which have these names. Raises OSError, ValueError where the file is damaged."""
+def read_obstacles(file: Path, names: list[str], half: bool) -> list[Obstacle]:
+    """Reads the obstacles of a run, which have these names; `half`: their half sections. Raises OSError, ValueError where the file is
+    damaged."""
     try:
         with h5py.File(file, "r") as data:
             times = data["times"][()]
-            return [read_obstacle(data[str(i)], name, times) for i, name in enumerate(names, 1)]
+            return [read_obstacle(data[str(i)], name, times, half) for i, name in enumerate(names, 1)]
     except KeyError as missing:
         raise ValueError(f"it lacks {missing}") from None
 
 
-def read_obstacle(group: h5py.Group, name: str, times: np.ndarray) -> Obstacle:
+def read_obstacle(group: h5py.Group, name: str, times: np.ndarray, half: bool) -> Obstacle:
     found = {key: dataset[()] for key, dataset in group.items()}
-    return Obstacle(**found | {"name": name, "times": times, "flat": bool(found["flat"][0]), "whole": bool(found["whole"][0])})
+    flags = {"flat": bool(found["flat"][0]), "whole": bool(found["whole"][0]), "half": half}
+    return Obstacle(**found | flags | {"name": name, "times": times})
+
+
+def both_halves(points: np.ndarray, segments: np.ndarray) -> Facets:
+    """Returns a half section, x ≥ 0, and its mirror image, whose segments are turned such that their normals point outwards too."""
+    image = segments[:, ::-1] + len(points)
+    return np.concatenate([points, points * [-1, 1]]), np.concatenate([segments, image])
 
 
 def normals(points: np.ndarray, facets: np.ndarray) -> np.ndarray:

@@ -15,8 +15,9 @@ async function unpacked(id) {
   return new Response(stream).text();
 }
 
-/** Numbers as report_parts.py packs them; rows of a table one after the other. */
+/** Numbers as report_parts.py packs them, or unpacked already; rows of a table one after the other. */
 function numbers(array) {
+  if (ArrayBuffer.isView(array)) return array;
   const kinds = { f4: Float32Array, i2: Int16Array, u2: Uint16Array, u1: Uint8Array, i4: Int32Array };
   return new kinds[array.dtype](decoded(array.bdata));
 }

@@ -11,7 +11,7 @@ from . import report_fit, report_motion, report_probes, style
 from .animation import enlargement
 from .files import NotInRun, Unreadable
 from .report_contact import FROM_ZERO
-from .report_control import resultant_of
+from .report_control import components, resultant_of
 from .report_fields import stored_fields
 from .report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
 from .report_run import logarithmic, objective_unit, positive
@@ -26,13 +26,17 @@ Curve = tuple[np.ndarray, np.ndarray]
 
 
 def page(runs: Two) -> Page:
-    """Makes the page. Raises NotInRun without run.json, Unreadable if a file is damaged or one body is plane and the other is not."""
+    """Makes the page. Raises NotInRun without run.json, Unreadable if a file is damaged or one body is plane, or of revolution, and the
+    other is not."""
     labels, gather = labels_of(*(run.path for run in runs)), Gathering(runs[1].path)
-    if runs[0].dim != runs[1].dim:
-        place = "the plane" if runs[1].dim == 2 else "space"
-        raise Unreadable(f"{runs[1].path}: found a body in {place}; expected one as in {runs[0].path}")
+    if kind_of(runs[0]) != kind_of(runs[1]):
+        raise Unreadable(f"{runs[1].path}: found a body {kind_of(runs[1])}; expected one as in {runs[0].path}")
     identity, title = "; ".join(f"{label}: {run.identity}" for label, run in zip(labels, runs)), " and ".join(labels)
     return runs[0].entry(lambda: Page(title, "two runs", identity, [], sections_of(runs, labels, gather), gather.left_out()))
+
+
+def kind_of(run: RunFolder) -> str:
+    return "of revolution" if run.axisymmetric else "in the plane" if run.dim == 2 else "in space"
 
 
 def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section]:
@@ -176,7 +180,7 @@ def fixed(unit: str) -> Callable[[RunFolder], str]:
 
 
 def depth(unit: str) -> Callable[[RunFolder], str]:
-    return lambda run: style.per_depth(unit, run.dim)
+    return lambda run: style.per_depth(unit, run.whole)
 
 
 MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], str]]] = {
@@ -255,7 +259,7 @@ def control_of(runs: Two) -> Views:
         control = run.field("control.xdmf", "control")
         return control.times, resultant_of(run, control)[:, axis]
 
-    return {name: (lambda run, axis=axis: component(run, axis), depth("N")) for axis, name in enumerate("xyz"[: runs[0].dim])}
+    return {name: (lambda run, axis=axis: component(run, axis), depth("N")) for axis, name in components(runs[0]).items()}
 
 
 def over_time(runs: Two, labels: list[str], name: str, title: str, what: str, views: Views) -> Chart:

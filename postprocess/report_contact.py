@@ -24,7 +24,7 @@ WITHIN = "Each force acts during its whole step and is drawn at the middle of th
 def contact_force(run: RunFolder) -> Chart:
     """Makes the chart of the force of every step and of the mean of two, which converges; with several obstacles also of each."""
     run.require_contact()
-    unit = style.per_depth("N", run.dim)
+    unit = style.per_depth("N", run.whole)
     try:
         force, what = run.normal_force, "normal contact force"
     except NotInRun:  # no one normal
@@ -95,6 +95,8 @@ def contact_surface(run: RunFolder) -> Chart:
         contact = run.contact.by_node()
         views = surface_views(run, contact, along_surface(run, contact))
         note = "Forces are nodal forces. Position 0 is the node with the largest force. Double-click to see all."
+        if run.axisymmetric:
+            note = "The force of a node is that on its ring. Position 0 is the node nearest to the axis. Double-click to see all."
     else:
         pushes = run.contact.force.any()
         apart = [run.contact.of(i) for i in range(len(names))]
@@ -116,7 +118,17 @@ class Place:
 
 def along_surface(run: RunFolder, contact: Contact) -> Place:
     """Returns a row for each candidate of a plane body, each node once, and for each blank between two parts of the surface."""
-    return along(arc_of(run.boundary_mesh, contact.points, contact.most_pushed))
+    first = origin(run, contact)
+    place = along(arc_of(run.boundary_mesh, contact.points, first))
+    if run.axisymmetric and place.rows[first] == 0 and contact.points[first, 0] == 0:
+        place.edges[0] = 0.0  # there is no surface beyond the axis
+    return place
+
+
+def origin(run: RunFolder, contact: Contact) -> int:
+    """Returns the number of the candidate at position 0 along the surface: that with the largest force over time, of a body of
+    revolution that nearest to the axis."""
+    return int(np.argmin(contact.points[:, 0])) if run.axisymmetric else contact.most_pushed
 
 
 def along(arc: Arc) -> Place:
@@ -136,7 +148,7 @@ def around_contact(contact: Contact) -> Place:
 def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, dict]:
     """Makes the views, first the means of two steps, which mean more than single steps. Parts that never touch are out of sight at first."""
     times, views, axis = contact.times, {}, {"range": touched(contact, place)}
-    values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.dim))}
+    values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.whole))}
     for what, (of, unit) in values.items():
         if run.stores_every_step and len(times) > 2:
             views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)

@@ -19,24 +19,31 @@ def resultant(run: RunFolder) -> Chart:
     """Makes the chart of the components of the control's resultant."""
     control = run.field("control.xdmf", "control")
     force = resultant_of(run, control)
-    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
+    factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
     times, title = time_axis(control.times)
-    curves = [line(axis, times, values * factor, *look) for axis, values, look in zip("xyz", force.T, LOOKS)]
+    curves = [line(name, times, force[:, axis] * factor, *look) for (axis, name), look in zip(components(run).items(), LOOKS)]
     for curve in curves:
         curve["line"]["shape"] = "vh"  # a control is constant in the step that ends there
     return Chart.single("control-resultant", "Resultant of the control over time", figure(curves, title, f"force ({unit})"))
 
 
 def resultant_of(run: RunFolder, control: Series) -> np.ndarray:
-    """Returns the control's integral over the body or the boundary at its times (times × dim), N, in the plane N/m."""
+    """Returns the control's integral over the body or the boundary at its times (times × dim), N or N/m (RunFolder.whole); of a body
+    of revolution the radial component is 0."""
     scale = run.entry(lambda: float(run.scene["control"]["scale"]))
-    weight = weights(control, support_of(run, control))
-    return scale * np.stack([weight @ control.at(i) for i in range(len(control.times))])
+    weight = weights(control, support_of(run, control), run.axisymmetric)
+    force = scale * np.stack([weight @ control.at(i) for i in range(len(control.times))])
+    return force * [0, 1] if run.axisymmetric else force
 
 
-def weights(control: Series, support: np.ndarray | None) -> np.ndarray:
+def components(run: RunFolder) -> dict[int, str]:
+    """Returns the components that a resultant can have, by number, and their names: around an axis radial forces cancel."""
+    return {1: "y"} if run.axisymmetric else dict(enumerate("xyz"[: run.dim]))
+
+
+def weights(control: Series, support: np.ndarray | None, revolved: bool) -> np.ndarray:
     """Returns the weight of a value at each node or in each cell: the integral of its function over the body or, if the nodes of a
-    part of the boundary are given, over that (m to m³)."""
+    part of the boundary are given, over that (m to m³). `revolved`: of a half section, x ≥ 0, over all around the axis."""
     mesh, count = control.mesh, len(control.mesh.cells if control.cellwise else control.mesh.points)
     if support is None:
         facets, owner = mesh.cells, np.arange(len(mesh.cells))
@@ -47,11 +54,14 @@ def weights(control: Series, support: np.ndarray | None) -> np.ndarray:
         facets, owner = facets[on], owner[on]
         size = area(mesh, facets)
     found = np.zeros(count)
+    around = 2 * np.pi * mesh.points[facets, 0] if revolved else np.ones(facets.shape)  # circumferences, linear on a facet
+    mean = around.mean(axis=1)
     if control.cellwise:
-        np.add.at(found, owner, size)
+        np.add.at(found, owner, size * mean)
         return found
-    for corner in facets.T:
-        np.add.at(found, corner, size / facets.shape[1])
+    corners = facets.shape[1]
+    for corner, own in zip(facets.T, around.T):
+        np.add.at(found, corner, size / corners * (corners * mean + own) / (corners + 1))
     return found
 
 

@@ -70,7 +70,8 @@ def tensors(run: RunFolder) -> Iterator[Field]:
         last = series.components(len(series.times) - 1)
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)):
             if max(i, j) < width and (run.dim == 3 or last[:, width * i + j].any()):
-                yield Field(f"{name} {'xyz'[i]}{'xyz'[j]}", unit, series, lambda values, at=width * i + j: values[:, at])
+                around = ", around the axis" if run.axisymmetric and i == j == 2 else ""
+                yield Field(f"{name} {'xyz'[i]}{'xyz'[j]}{around}", unit, series, lambda values, at=width * i + j: values[:, at])
 
 
 def held(run: RunFolder, file: str, name: str) -> Series | None:

@@ -60,7 +60,7 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
 def unit_of(run: RunFolder, name: str) -> str:
     """Returns the unit of a measurement's values, SI."""
     of = next(one["of"] for one in run.scene["measurement"] if one["name"] == name)
-    return {"displacement": "m", "velocity": "m/s"}.get(of) or style.per_depth({"force": "N", "impulse": "N s"}[of], run.dim)
+    return {"displacement": "m", "velocity": "m/s"}.get(of) or style.per_depth({"force": "N", "impulse": "N s"}[of], run.whole)
 
 
 def shown(value: float | None, digits: int) -> str:

@@ -23,7 +23,7 @@ def impact(run: RunFolder) -> list[Table]:
     head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant impulse", "Sustained peak", "Peak of two steps †"]
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
-        body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
+        body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.whole))],
                 ["Velocity of the centre of mass before", vector(given["velocity_before"], "m/s")],
                 ["and after" if given["ended"] else "and at the end, still in contact", vector(given["velocity_after"], "m/s")]]
         if given["restitution"] is not None:
@@ -37,7 +37,7 @@ def impact(run: RunFolder) -> list[Table]:
     if len(bounces) > 1:
         most = 20
         title = f"Bounces one by one{f', the first {most} of {len(bounces)}' if len(bounces) > most else ''}: velocities of the centre of mass"
-        impulse, force = per_depth("N s", run.dim), per_depth("N", run.dim)
+        impulse, force = per_depth("N s", run.whole), per_depth("N", run.whole)
         tables.append(Table(title, ["Contact from", "to", "Touches", "Impulse", "Peak force", "Velocity before", "Velocity after", "Restitution"], [
             [quantity(one["start"], "s"), quantity(one["end"], "s"), str(one.get("touches", 1)), vector(one["impulse"], impulse), quantity(one["peak"], force), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
              "–" if one["restitution"] is None else f"{one['restitution']:.4g}"] for one in bounces[:most]]))  # fmt: skip
@@ -48,7 +48,7 @@ def touch(run: RunFolder, name: str, given: dict) -> list[str]:
     """Makes the row of an obstacle, with dashes if it was not touched."""
     if not given["contact_time"]:
         return [name, "never", *["–"] * 7]
-    force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
+    force, impulse = per_depth("N", run.whole), per_depth("N s", run.whole)
     return [name, quantity(given["start"], "s"), quantity(given["end"], "s"), quantity(given["contact_time"], "s"),
             quantity(given["impulse_duration"], "s"), quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse),
             quantity(given["sustained_peak"], force),
@@ -68,7 +68,7 @@ def energy_account(run: RunFolder) -> list[Table]:
     given = run.manifest.get("energy")
     if not given:
         return []
-    unit = per_depth("J", run.dim)
+    unit = per_depth("J", run.whole)
     foundation = given.get("foundation_at_start", 0), given.get("foundation_at_end", 0)
     terms = {"Kinetic and elastic at the start": given["kinetic_at_start"] + given["elastic_at_start"],
              "Springs of foundations at the start": foundation[0],

@@ -38,10 +38,12 @@ function sceneOf(motion, plot) {
     const lift = (12 - below / 2) / half(); // labels stand below the body, none above
     return { eye: { x: 0, y: lift, z: 1.5 }, center: { x: 0, y: lift, z: 0 }, up: { x: 0, y: 1, z: 0 }, projection };
   };
+  const [first, second, third] = motion.axes || ["x", "y", "z"];
   const axis = (name, i) => ({ title: { text: plane ? `${name} (m)` : name }, range: [low[i], high[i]], showbackground: false,
     gridcolor: "#e8ebee", zeroline: false, showspikes: false, tickfont: { size: 12 }, tickangle: 0,
     nticks: plane ? 6 : Math.max(2, Math.round((6 * size[i]) / Math.max(...size))) });
-  const scene = { xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: plane ? { visible: false, range: [-1, 1] } : axis("z", 2),
+  const scene = { xaxis: { ...axis(first, 0), ...motion.ticks }, yaxis: axis(second, 1),
+    zaxis: plane ? { visible: false, range: [-1, 1] } : axis(third, 2),
     aspectmode: "manual", aspectratio: ratio(1), camera: camera(), dragmode: plane ? "pan" : "turntable" };
 
   let zoom = 1;
@@ -62,6 +64,7 @@ function sceneOf(motion, plot) {
 
 /** A body's numbers by frame. Points of the cut are carried between two nodes. */
 function framesOf(motion) {
+  if (motion.frames) return motion.frames;
   const points = numbers(motion.points), moved = numbers(motion.displacement.values), count = points.length / motion.dim;
   const pairs = motion.cut ? numbers(motion.cut.pairs) : [], weight = motion.cut ? numbers(motion.cut.weight) : [];
   const values = motion.fields.map((field) => numbers(field.values));
@@ -174,7 +177,8 @@ function bodyOf(motion) {
 /** Draws one body, or several that the same controls drive. */
 function showMotion(motions) {
   const slider = $("frame"), select = $("field"), mode = $("mode"), { times, unit } = motions[0];
-  const plots = motions.map((_, i) => $(i ? `body-plot-${i + 1}` : "body-plot")), bodies = motions.map(bodyOf);
+  const plots = motions.map((_, i) => $(i ? `body-plot-${i + 1}` : "body-plot")), round = motions[0].revolved;
+  let bodies, scenes;
   const pose = () => {
     bodies.forEach((body) => body.pose(Number(slider.value), select.value, mode ? mode.value : "solid"));
     const time = `${times[slider.value].toPrecision(4)} ${unit}`;
@@ -186,21 +190,27 @@ function showMotion(motions) {
     plots.forEach((plot) => Plotly.redraw(plot));
   };
 
-  slider.value = motions[0].start;
-  pose();
-  const scenes = motions.map((motion, i) => sceneOf(motion, plots[i]));
-  plots.forEach((plot, i) => {
-    Plotly.newPlot(plot, bodies[i].traces, { template: STYLE, scene: scenes[i].scene, margin: MARGIN }, CONFIG);
-    showLegend(plot, bodies[i].traces);
-  });
   const look = (times) => scenes.forEach((scene) => scene.look(times));
-  look(1);
+  const begin = () => {
+    const drawn = round ? motions.map((motion) => revolved(motion, mode.value)) : motions;
+    bodies = drawn.map(bodyOf);
+    pose();
+    scenes = drawn.map((motion, i) => sceneOf(motion, plots[i]));
+    plots.forEach((plot, i) => {
+      Plotly.newPlot(plot, bodies[i].traces, { template: STYLE, scene: scenes[i].scene, margin: MARGIN }, CONFIG);
+      showLegend(plot, bodies[i].traces);
+    });
+    look(1);
+  };
+
+  slider.value = motions[0].start;
+  begin();
   $("nearer").addEventListener("click", () => look(1.5));
   $("farther").addEventListener("click", () => look(1 / 1.5));
   $("whole").addEventListener("click", () => scenes.forEach((scene) => scene.whole()));
   addEventListener("resize", () => look(1));
   slider.addEventListener("input", show);
-  for (const choice of [select, mode]) if (choice) choice.addEventListener("change", show);
+  for (const choice of [select, mode]) if (choice) choice.addEventListener("change", round && choice === mode ? begin : show);
   playOn(slider, show);
 }
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Body in motion as a page shows it: some of the stored times, rounded to 16 bits; in space the body's surface and a cut
-through it."""
+through it; of a body of revolution the half section and the line by which the page revolves it."""
 
 from dataclasses import dataclass
 
@@ -20,6 +20,7 @@ MOST_FRAMES = 100
 MOST_NUMBERS = 2_000_000  # in all frames, which then take about 5 MB
 MOST_NODES = 100_000
 MOST_ARROWS = 80
+EYE = np.array([0.9, -1.5, 0.55])  # beside a body that is longer along x
 ARROW = 0.15  # length of the longest, as a part of the body's size
 
 
@@ -52,12 +53,15 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
     notes = [scale_note(enlarged), count_note(len(times), len(series.times))]
     obstacles, box = seen_obstacles(run, mesh, times, position, enlarged, notes)
     factor, unit = style.prefixed(times, "s")
+    turned = "; lengths in m; drag to turn." if run.dim == 3 else "."
+    if run.axisymmetric:
+        turned = "; lengths of the revolved body in m, drag to turn it."
     return {
         "dim": run.dim,
         "times": (times * factor).tolist(),
         "start": nearest(times, peak or 0.0),
         "unit": unit,
-        "note": "; ".join(notes) + ("; lengths in m; drag to turn." if run.dim == 3 else "."),
+        "note": "; ".join(notes) + turned,
         "faces": packed(mesh.cells.T, "i4"),
         "edges": packed(drawing.edges, "i4"),
         "points": packed(mesh.points.T),
@@ -68,7 +72,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
         "cut": None if drawing.cut is None else packed_cut(drawing.cut),
         "eye": eye(run, mesh),
         "box": box.tolist(),
-    }
+    } | ({"axes": run.axis_names, "revolved": {"rim": packed(mesh.rim(), "i4"), "eye": eye_in_space(run)}} if run.axisymmetric else {})
 
 
 def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
@@ -98,7 +102,7 @@ def eye(run: RunFolder, mesh: Mesh) -> list[float]:
     if run.dim == 2:
         return [0.0, 0.0, 1.5]
     x, y, _ = np.ptp(mesh.points, axis=0)
-    way = np.array([0.9, -1.5, 0.55]) if x >= y else np.array([1.5, -0.9, 0.55])
+    way = EYE if x >= y else np.array([1.5, -0.9, 0.55])
     normal = run.plane_normal
     if normal is not None:
         side = np.array([1.0, 1.0, 1.0])
@@ -106,6 +110,12 @@ def eye(run: RunFolder, mesh: Mesh) -> list[float]:
         side[2] = -1 if normal[2] < -0.5 else 1
         way = way * side
     return way.tolist()
+
+
+def eye_in_space(run: RunFolder) -> list[float]:
+    """Returns the viewpoint for a body of revolution, whose axis is upright: a little from above, or from below under a ceiling."""
+    normal = run.plane_normal
+    return (EYE * [1, 1, -1 if normal is not None and normal[1] < 0 else 1]).tolist()
 
 
 def frames(times: np.ndarray, numbers: int, peak: float) -> np.ndarray:
@@ -137,9 +147,12 @@ def seen_obstacles(run: RunFolder, mesh: Mesh, times: np.ndarray, position: np.n
 
 def packed_scenery(scenery: Scenery, count: int) -> dict:
     """Packs an obstacle for report_motion.js: an offset for each frame if it moves, a shape for each if that changes."""
+    shapes = [{"points": packed(points.T), "faces": packed(faces.T, "i4")} for points, faces in scenery.shapes]
+    for shape, curve in zip(shapes, scenery.curves):
+        shape["curve"] = packed(curve, "i4")
     return {
         "name": scenery.name,
-        "shapes": [{"points": packed(points.T), "faces": packed(faces.T, "i4")} for points, faces in scenery.shapes],
+        "shapes": shapes,
         "shape": scenery.shape,
         "offset": packed(scenery.offset.T) if scenery.offset.any() else None,
     }

@@ -68,6 +68,10 @@ class Page:
         """Returns the sections of the page that are not empty."""
         return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file]
 
+    def revolved(self) -> bool:
+        """Whether the page shows a body of revolution."""
+        return any("revolved" in motion for section in self.sections for motion in section.motions)
+
     def data(self) -> dict:
         """Returns the data of the page's script."""
         motions = next((section.motions for section in self.sections if section.motions), [])

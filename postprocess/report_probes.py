@@ -9,7 +9,7 @@ from .report_parts import Chart, figure, line, time_axis
 from .run_folder import RunFolder
 
 UNITS = {"displacement": "m", "velocity": "m/s", "center": "m", "rotation": "rad"}
-PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # in the plane per metre
+PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # or per metre of depth, RunFolder.whole
 LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
 
 
@@ -35,7 +35,7 @@ def stem(quantity: str) -> str:
 
 def unit_of(run: RunFolder, quantity: str) -> str:
     """Returns the SI unit of a quantity, empty for one that is unknown here."""
-    return UNITS.get(quantity) or (style.per_depth(PER_DEPTH[quantity], run.dim) if quantity in PER_DEPTH else "")
+    return UNITS.get(quantity) or (style.per_depth(PER_DEPTH[quantity], run.whole) if quantity in PER_DEPTH else "")
 
 
 def view(run: RunFolder, name: str, columns: list[str]) -> dict:

@@ -11,6 +11,8 @@ from .energy_terms import dissipated_so_far, further_energies, potential_of_load
 from .run_folder import RunFolder
 
 FROM_ZERO = {"rangemode": "tozero"}
+MODELS = {"axisymmetric": "of revolution, x is the radius; masses, forces and energies are those of the whole body",
+          "plane-stress": "a thin plate in plane stress; masses, forces and energies are per metre of thickness"}  # fmt: skip
 SHADES = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"]  # viridis, of least shares first
 
 
@@ -65,6 +67,8 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
         done = given["optimizer"]
         found.append(("Iterations", f"{whole(done['iterations'])}, with {whole(done['forward_sweeps'])} forward and "
                                     f"{whole(done['adjoint_sweeps'])} adjoint sweeps"))  # fmt: skip
+    if run.model in MODELS:
+        found.append(("Body", MODELS[run.model]))
     found.append(("Effects", ", ".join(name for name, on in given["effects"].items() if on) or "none"))
     found.append(("Size", f"{whole(given['unknowns'])} unknowns, {whole(given['free_unknowns'])} of them free; "
                           f"{whole(given['cells'])} cells of degree {scene['mesh']['degree']}; "
@@ -118,7 +122,7 @@ def error_indicators(run: RunFolder) -> Chart:
             name = f"{bounds[i]:.1g} to {bounds[i + 1]:.1g}" if i else f"below {bounds[1]:.1g}"
             traces.append(line(name, x, y, shade, width=1) | {"fill": "toself", "fillcolor": shade, "hoverinfo": "skip"})
     traces.append(line("mesh", *outlines.reshape(-1, 2).T, GREY, width=0.5))
-    view = figure(traces, "x (m)", "y (m)", yaxis={"scaleanchor": "x"})
+    view = figure(traces, *(f"{name} (m)" for name in run.axis_names), yaxis={"scaleanchor": "x"})
     return Chart.single("error-indicators", "The mesh, and each cell's share in the error of J", view, "Absolute values, relative to J.")
 
 
@@ -130,7 +134,7 @@ def masses(scene: dict) -> list[str]:
 
 def objective_unit(run: RunFolder) -> str:
     """Returns the unit of J, a time integral of squared L2 norms of a length."""
-    return f"m{'⁴' if run.dim == 2 else '⁵'} s"
+    return f"m{'⁵' if run.whole else '⁴'} s"
 
 
 def logarithmic(*values: np.ndarray) -> dict:
@@ -147,7 +151,7 @@ def energies(run: RunFolder) -> Chart:
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], dissipated_so_far(steps)
     potential, further = potential_of_loads(steps), further_energies(steps)
     whole_energy = stored_energy(steps) + (0 if potential is None else potential)
-    factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.dim))
+    factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.whole))
     times, title = time_axis(steps["time"])
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
@@ -257,7 +261,7 @@ def tracking_error(run: RunFolder) -> Chart:
     if not np.isfinite(error).any():
         raise NotInRun("the run has no desired state")
     times, title = time_axis(run.steps["time"])
-    unit = "m²" if run.dim == 2 else "m<sup>5/2</sup>"
+    unit = "m<sup>5/2</sup>" if run.whole else "m²"
     view = figure([line("distance", times, error, style.BLUE)], title, f"‖y − y<sub>d</sub>‖ ({unit})", yaxis=FROM_ZERO)
     return Chart.single("tracking-error", "Distance to the desired state over time", view)
 

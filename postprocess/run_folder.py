@@ -29,8 +29,8 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Contact:
-    """Candidates (points m × dim, m; obstacles m, numbers from 0) at the stored times (s): gap (m), normal force (N, in the plane
-    N/m), whether in contact, pressure (N/m²), each times × m; direction of the force (m × dim)."""
+    """Candidates (points m × dim, m; obstacles m, numbers from 0) at the stored times (s): gap (m), normal force (N or N/m,
+    RunFolder.whole), whether in contact, pressure (N/m²), each times × m; direction of the force (m × dim)."""
 
     times: np.ndarray
     points: np.ndarray
@@ -67,8 +67,8 @@ class Contact:
 
 @dataclass(frozen=True)
 class ObstacleSteps:
-    """Contact with an obstacle at every time step: the sum of the moduli of its nodal forces (N, in the plane N/m), and the number
-    of candidates in contact."""
+    """Contact with an obstacle at every time step: the sum of the moduli of its nodal forces (N or N/m, RunFolder.whole), and the
+    number of candidates in contact."""
 
     name: str
     normal_force: np.ndarray
@@ -113,7 +113,7 @@ class RunFolder:
 
     @cached_property
     def steps(self) -> Table:
-        """steps.csv: energies and works (J, in the plane J/m), forces (N, N/m) of every time step after row 0."""
+        """steps.csv: energies and works (J or J/m, RunFolder.whole), forces (N, N/m) of every time step after row 0."""
         table = self._table("steps.csv", lambda: self.steps_done + 1)
         if len(table["time"]) < 2:
             raise NotInRun("the run made no time step")
@@ -153,7 +153,7 @@ class RunFolder:
     @cached_property
     def obstacles(self) -> list[Obstacle]:
         """Surfaces of the obstacles, in the scene's order."""
-        return self.read("surfaces.h5", lambda file: read_obstacles(file, self.obstacle_names))
+        return self.read("surfaces.h5", lambda file: read_obstacles(file, self.obstacle_names, self.axisymmetric))
 
     @property
     def plane_normal(self) -> np.ndarray | None:
@@ -223,8 +223,31 @@ class RunFolder:
         return self.contact.points.shape[1]
 
     @cached_property
+    def model(self) -> str:
+        """Kind of body: "space", "plane-strain", "plane-stress" or "axisymmetric"; one in the plane of a run that names none is in
+        plane strain."""
+        named = self.entry(lambda: self.manifest.get("body", {}).get("model")) if (self.path / "run.json").is_file() else None
+        named = named or self.entry(lambda: self.scene["mesh"].get("model"))
+        return str(named or ("plane-strain" if self.dim == 2 else "space"))
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the mesh is the half section, x ≥ 0, of a body of revolution."""
+        return self.model == "axisymmetric"
+
+    @property
+    def whole(self) -> bool:
+        """Whether masses, forces and energies are those of the whole body; else they are per metre of its depth."""
+        return self.model in ("space", "axisymmetric")
+
+    @property
+    def axis_names(self) -> list[str]:
+        """Names of the coordinates."""
+        return ["radius", "height"] if self.axisymmetric else list("xyz"[: self.dim])
+
+    @cached_property
     def normal_force(self) -> np.ndarray:
-        """Sum of the moduli of all nodal contact forces at every time step, N (in the plane N/m). Raises NotInRun if the run wrote
+        """Sum of the moduli of all nodal contact forces at every time step, N or N/m (`whole`). Raises NotInRun if the run wrote
         the resultant of several directions only."""
         if "normal_force" in self.steps:
             return self.steps["normal_force"]
@@ -234,7 +257,7 @@ class RunFolder:
 
     @property
     def resultant(self) -> np.ndarray:
-        """Resultant of the contact forces at every time step (steps × dim), N (in the plane N/m)."""
+        """Resultant of the contact forces at every time step (steps × dim), N or N/m (`whole`)."""
         return np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
 
     @property
@@ -326,7 +349,7 @@ class RunFolder:
 
     @property
     def _contact_history(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Times (s), whether the body touches then, and the normal force (N, in the plane N/m).
+        """Times (s), whether the body touches then, and the normal force (N or N/m, `whole`).
 
         Every time step from steps.csv or, without it, the stored ones from contact.csv.
         """

@@ -21,12 +21,14 @@ MARGIN = 0.1  # margin of a picture around the body, as a part of the body's siz
 
 @dataclass(frozen=True)
 class Scenery:
-    """Obstacle over the frames of a picture: the number of the shape in each frame, and its offset (frames × dim, m)."""
+    """Obstacle over the frames of a picture: the number of the shape in each frame, and its offset (frames × dim, m). `curves`: of
+    a half section, the segments of each shape by which it is revolved."""
 
     name: str
     shapes: list[Facets]
     shape: list[int]
     offset: np.ndarray
+    curves: list[np.ndarray]
 
 
 def drawn_obstacles(run: RunFolder, enlarged: float) -> list[Obstacle]:
@@ -35,7 +37,10 @@ def drawn_obstacles(run: RunFolder, enlarged: float) -> list[Obstacle]:
     for i, obstacle in enumerate(run.obstacles):
         shown = touching_ones(run, i, obstacle)
         closest = shown[np.argmin(obstacle.gap[shown])]
-        found.append(obstacle.drawn(enlarged, (1 - enlarged) * obstacle.gap[closest] * obstacle.normal[closest]))
+        way = obstacle.normal[closest]
+        if obstacle.half and abs(way[1]) > 0.5:  # an obstacle of revolution stays on its axis
+            way = np.array([0, 1 / way[1]])
+        found.append(obstacle.drawn(enlarged, (1 - enlarged) * obstacle.gap[closest] * way))
     return found
 
 
@@ -86,12 +91,13 @@ def picture(obstacles: list[Obstacle], times: np.ndarray, position: np.ndarray, 
 def over_frames(obstacle: Obstacle, times: np.ndarray, size: float) -> Scenery:
     """Returns an obstacle over frames, with one shape if it moves rigidly, else one for each frame."""
     count, depth = len(times), BAND * size
-    if not obstacle.rigid:
-        return Scenery(obstacle.name, [seen_of(obstacle, time, depth) for time in times], list(range(count)),
-                       np.zeros((count, obstacle.points.shape[1])))  # fmt: skip
+    rigid = obstacle.rigid
+    shown = times[:1] if rigid else times
+    shapes, curves = [seen_of(obstacle, time, depth) for time in shown], [obstacle.at(time)[1] for time in shown] if obstacle.half else []
+    if not rigid:
+        return Scenery(obstacle.name, shapes, list(range(count)), np.zeros((count, obstacle.points.shape[1])), curves)
     travel = np.stack([obstacle.travel(time) for time in times])
-    points, faces = seen_of(obstacle, times[0], depth)
-    return Scenery(obstacle.name, [(points, faces)], [0] * count, travel - travel[0])
+    return Scenery(obstacle.name, shapes, [0] * count, travel - travel[0], curves)
 
 
 def main_normal(run: RunFolder) -> np.ndarray:

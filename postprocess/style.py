@@ -74,6 +74,12 @@ def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inc
     axes = figure.add_axes(place, aspect="equal", xlabel=f"{names[0]} (m)", ylabel=f"{names[1]} (m)")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.grid(False)
+    figure.draw_without_rendering()
+    begins = axes.yaxis.get_tightbbox().x0 / figure.dpi
+    if begins < 0:  # long numbers at the ticks need more room
+        lack = 0.05 - begins
+        figure.set_figwidth(width + lack)
+        axes.set_position([(left + lack) / (width + lack), place[1], plot[0] / (width + lack), place[3]])
     return axes
 
 
@@ -88,9 +94,9 @@ def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
     return 10.0**-power, PREFIXES[power] + unit
 
 
-def per_depth(unit: str, dim: int) -> str:
-    """Returns the unit of a force or energy: in the plane, per metre of depth."""
-    return unit + "/m" if dim == 2 else unit
+def per_depth(unit: str, whole: bool) -> str:
+    """Returns the unit of a force or energy: of the whole body (RunFolder.whole), else per metre of its depth."""
+    return unit if whole else unit + "/m"
 
 
 def time_axis(axes: Axes, times: np.ndarray) -> np.ndarray:

@@ -40,13 +40,16 @@ def facing(triangles: np.ndarray, points: np.ndarray, way: np.ndarray) -> np.nda
 def seen_of(obstacle: Obstacle, time: float, depth: float) -> Facets:
     """Returns the drawn part of an obstacle as triangles: in the plane a band of this depth (m) below the curve, in space its surface."""
     points, facets = obstacle.at(time)
-    return band(points, facets, depth, obstacle.whole) if points.shape[1] == 2 else (points, facets)
+    return band(points, facets, depth, obstacle.whole, obstacle.half) if points.shape[1] == 2 else (points, facets)
 
 
-def band(line: np.ndarray, segments: np.ndarray, depth: float, whole: bool) -> Facets:
-    """Returns a strip below a curve; if the curve is whole and closes around the obstacle, all that is inside."""
+def band(line: np.ndarray, segments: np.ndarray, depth: float, whole: bool, half: bool = False) -> Facets:
+    """Returns a strip below a curve, whose points come first; if the curve is whole and closes around the obstacle, all that is
+    inside. `half`: the curve ends at the axis x = 0."""
     outwards = normals(line, segments)
     middle = line.mean(axis=0) if len(line) else np.zeros(2)
+    if half:
+        middle[0] = 0
     if whole and (((line[segments].mean(axis=1) - middle) * outwards).sum(axis=1) > 0).all():
         return np.vstack([line, middle]), np.column_stack([segments, np.full(len(segments), len(line))])
     # A point's normal is the mean of its segments'.

@@ -26,7 +26,7 @@ def draw(run: RunFolder) -> list[Path]:
     times = style.time_axis(axes, steps["time"])
     axes.plot(times, error, color=style.BLUE, label="distance to the desired state")
     style.shade_contact(axes, times, steps["active"])
-    axes.set_ylabel(rf"$\|y - y_d\|_{{L^2}}$ ({'m²' if run.dim == 2 else '$m^{5/2}$'})")
+    axes.set_ylabel(rf"$\|y - y_d\|_{{L^2}}$ ({'$m^{5/2}$' if run.whole else 'm²'})")
     axes.set_ylim(bottom=0)
     style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "tracking_error.png")]

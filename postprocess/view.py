@@ -57,7 +57,7 @@ def longer_side(run: RunFolder) -> np.ndarray:
 def view_of(run: RunFolder) -> View:
     """Returns the view of a run's body."""
     if run.dim == 2:
-        return View(np.eye(2), ("$x$", "$y$"))
+        return View(np.eye(2), ("radius", "height") if run.axisymmetric else ("$x$", "$y$"))
     up = np.array([0.0, 0.0, 1.0])
     horizontal = longer_side(run)
     try:

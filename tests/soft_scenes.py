@@ -33,6 +33,19 @@ obstacle = { shape = "ball", center = [0.5, 0.5, -0.62], radius = 0.6 }
 velocity = ["0", "0", "-1"]
 """
 
+# The half section of a half ball that falls onto a floor, of which the run writes stresses too.
+REVOLVED = soft("../../meshes/half-ball-section.geo", 4, 4.0, 0.1).replace("\nsize", '\nmodel = "axisymmetric"\nsize') + """
+[contact]
+on = "contact"
+obstacle = { shape = "half-space", point = [0, -15.2], normal = [0, 1] }
+
+[initial]
+velocity = ["0", "-1"]
+
+[output]
+fields = ["displacement", "velocity", "stress", "von_mises", "pressure"]
+"""
+
 # Tables that throw a square onto a tilted plane, which its corner meets first.
 ONTO_A_SLOPE = """
 [contact]

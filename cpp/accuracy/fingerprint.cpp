@@ -109,7 +109,8 @@ Fingerprint Origin::of(const Rung& rung) const {
   all[scene_part] = scene::echo(on_rung(scene_, rung), dim_);
   if (rung.graded)
     all[mesh_file] = mesh_digest(scene_.mesh.graded);
-  all[forms] = fem::forms_digest(dim_, rung.degree);
+  all[forms] =
+      fem::forms_digest(dim_, rung.degree, scene_.mesh.model.value_or(scene::PlaneModel::plane_strain));
   return all;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 /// Quantities that diagnostics::ContactFigures measures.
 std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
-  const std::string each = dim == 2 ? "/m" : "";
+  const std::string each = scene.mesh.per_depth(dim);
   std::vector<Quantity> all;
   const auto add = [&](const std::string& end, const std::string& of) {
     all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});

@@ -23,9 +23,10 @@ Point unit(const std::vector<double>& x) {
 
 } // namespace
 
-Obstacle::Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter)
+Obstacle::Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter,
+                   bool axisymmetric)
     : shape_(obstacle), key_(std::move(key)), dim_(static_cast<std::size_t>(dim)), diameter_(diameter),
-      moves_(scene::moves(obstacle)) {
+      axisymmetric_(axisymmetric), moves_(scene::moves(obstacle)) {
   const auto round = [&](const scene::Components& middle, const char* name, const auto& shape) {
     point_.emplace(middle, fmt::format("{}.{}", key_, name), true);
     radius_.emplace(scene::Components{shape.radius}, key_ + ".radius", true);
@@ -38,7 +39,9 @@ Obstacle::Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, do
                        [&](const scene::Ball& ball) { round(ball.center, "center", ball); },
                        [&](const scene::Cylinder& cylinder) {
                          round(cylinder.point, "point", cylinder);
-                         if (!cylinder.axis.empty())
+                         if (axisymmetric)
+                           direction_ = {0, 1, 0};
+                         else if (!cylinder.axis.empty())
                            direction_ = unit(cylinder.axis);
                        },
                        [&](const scene::SignedDistance& level_set) {

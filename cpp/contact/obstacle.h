@@ -13,10 +13,11 @@ namespace signorini::contact {
 /// half-space that is tangent to the obstacle next to this point (docs/method.md section 2).
 class Obstacle {
 public:
-  /// `key`: name of the obstacle in messages; `dim` and `diameter` (m): those of the body. Signed distances
-  /// are differentiated by finite differences, whose spacing is a small fraction of the diameter. Throws
+  /// `key`: name of the obstacle in messages; `dim` and `diameter` (m): those of the body; `axisymmetric`:
+  /// whether it is a body of revolution, for which a cylinder is around the axis. Signed distances are
+  /// differentiated by finite differences, whose spacing is a small fraction of the diameter. Throws
   /// UserError.
-  Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter);
+  Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter, bool axisymmetric);
 
   /// Half-space that replaces the obstacle for one point.
   struct Plane {
@@ -53,6 +54,9 @@ public:
   /// Whether the obstacle moves.
   [[nodiscard]] bool moves() const { return moves_; }
 
+  /// Whether the obstacle is the half section, x ≥ 0, of one of revolution.
+  [[nodiscard]] bool axisymmetric() const { return axisymmetric_; }
+
   /// Whether the obstacle is a ball or cylinder with the body inside.
   [[nodiscard]] bool surrounds() const { return inside_; }
 
@@ -85,6 +89,7 @@ private:
   std::string key_;
   std::size_t dim_;
   double diameter_;
+  bool axisymmetric_;
   bool moves_, inside_ = false;       ///< inside_: whether the body is inside a ball or cylinder
   std::array<double, 3> direction_{}; ///< unit normal of a half-space, unit axis of a cylinder; else zero
   std::optional<scene::Field> point_, radius_; ///< expressions for the members of Place

@@ -208,14 +208,17 @@ Box Box::empty(int dim) {
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells) {
   const auto components = static_cast<std::size_t>(dim);
-  if (!obstacle.curved())
-    return flat(obstacle, place, components, box);
   Box seen = box;
+  if (obstacle.axisymmetric())
+    seen.low[0] = std::max(seen.low[0], 0.0);
+  if (!obstacle.curved())
+    return flat(obstacle, place, components, seen);
   const std::optional<std::array<Point, 2>> extent = obstacle.extent(place);
   bool whole = extent.has_value();
   for (std::size_t c = 0; extent && c < components; ++c) {
-    constexpr double margin = 0.05; // part of the radius
-    const double low = (*extent)[0][c] - margin * place.radius,
+    constexpr double margin = 0.05;                     // part of the radius
+    const bool cut = obstacle.axisymmetric() && c == 0; // at the axis
+    const double low = cut ? 0 : (*extent)[0][c] - margin * place.radius,
                  high = (*extent)[1][c] + margin * place.radius;
     if (high - low <= much_larger * box.longest_side()) {
       seen.low[c] = low;

@@ -111,8 +111,12 @@ void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, con
     return found == candidate.end() ? -1 : found->second;
   };
   for (const EdgeNodes& nodes : edges_on(space, group, pairs.key(obstacle) + ".on"))
-    if (const int middle = candidate_at(nodes[0]); middle >= 0)
-      edges_.push_back({middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}});
+    if (const int middle = candidate_at(nodes[0]); middle >= 0) {
+      Edge edge{middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}};
+      if (pairs.shape(obstacle).axisymmetric()) // the other end takes the share of the axis
+        edge.ends = {edge.ends[edge.ends[0] < 0 ? 1 : 0], edge.ends[edge.ends[1] < 0 ? 0 : 1]};
+      edges_.push_back(edge);
+    }
 }
 
 void Pressure::gather_at_vertices(std::vector<double>& values) const {

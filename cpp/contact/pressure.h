@@ -16,7 +16,8 @@ namespace signorini::contact {
 /// pressure is F¹_v / ∫ φ¹_v, in the plane and in space. The integrals ∫ φ¹_v are positive, the sum of the
 /// forces is unchanged, no force becomes negative, and a uniform pressure is reproduced. The error of the
 /// weighted mean is O(h²) where p is smooth, like the error of stresses for displacements of degree 2.
-/// Between vertices the pressure is linear.
+/// Between vertices the pressure is linear. In axial symmetry the vertex on the axis has no candidate; the
+/// pressure is constant up to the next vertex, whose hat function then includes the axis.
 class Pressure {
 public:
   /// Computes the areas that belong to the candidates of `contacts`. Collective. Throws UserError as

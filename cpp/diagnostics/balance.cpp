@@ -75,6 +75,11 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   now.foundation_energy = sums.foundation / 2;
   now.relaxation_energy = sums.branches / 2;
   now.elastic_energy = sums.elastic / 2 - now.foundation_energy;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (!stepper_.space().translates(c))
+      for (Components* resultant : {&sums.momentum, &sums.rate, &sums.applied, &sums.contact_force,
+                                    &sums.reaction, &sums.surroundings})
+        (*resultant)[c] = 0;
   now.momentum = sums.momentum;
   const double before = std::exchange(energy_, now.energy());
   if (frame.step.k == 0)

@@ -45,6 +45,8 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
   const auto add_force = [&](int obstacle, ObstacleForce& one) {
     for (int c = 0; c < pairs.dim(); ++c) {
       const auto component = static_cast<std::size_t>(c);
+      if (!stepper_.space().translates(component))
+        continue; // forces around an axis have no radial resultant
       one.force[component] = step::force_on_body(pairs, pairs.rows(), {obstacle, c}, forces_);
       one.impulse[component] += frame.step.tau * one.force[component];
     }

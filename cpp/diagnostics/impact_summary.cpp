@@ -15,7 +15,8 @@ std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   return x;
 }
 
-/// Returns for each component whether it is clamped on no node. Collective.
+/// Returns for each component whether the body can move freely along it: whether it translates along it, and
+/// no node is clamped in it. Collective.
 std::array<bool, 3> free_components(const step::Stepper& stepper) {
   const int dim = stepper.space().dim();
   std::array<int, 3> clamped{};
@@ -24,7 +25,7 @@ std::array<bool, 3> free_components(const step::Stepper& stepper) {
   MPI_Allreduce(MPI_IN_PLACE, clamped.data(), 3, MPI_INT, MPI_MAX, stepper.space().comm());
   std::array<bool, 3> free{};
   for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
-    free[c] = clamped[c] == 0;
+    free[c] = clamped[c] == 0 && stepper.space().translates(c);
   return free;
 }
 

@@ -146,6 +146,28 @@ std::string Plausibility::since(const Worst& worst) {
   return fmt::format("(the limit is first exceeded at or before t = {:.6g} s)", worst.passed);
 }
 
+int Plausibility::forces_on_clamps() const {
+  const fem::Space& space = stepper_.space();
+  constexpr double digits = 1e-6; // of the body's diameter, as coordinates are written
+  const auto held = [&](const scene::PointForce& force, int node) {
+    for (std::size_t c = 0; c < force.value.size(); ++c)
+      if (!scene::vanishes({force.value[c]}) && !stepper_.clamped().contains(node, static_cast<int>(c)))
+        return false;
+    return true;
+  };
+  int count = 0;
+  for (const scene::PointForce& force : scene_.load->points)
+    for (int node = 0; node < space.owned_nodes(); ++node) {
+      const double* x = &space.points()[3 * static_cast<std::size_t>(node)];
+      double square = 0;
+      for (std::size_t c = 0; c < force.at.size(); ++c)
+        square += (x[c] - force.at[c]) * (x[c] - force.at[c]);
+      count += std::sqrt(square) <= digits * space.mesh().diameter() && held(force, node);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, space.comm());
+  return count;
+}
+
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
   const fem::Space& space = stepper_.space();
   const int parts = fem::connected_parts(space).count;
@@ -156,13 +178,16 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
                      "others",
                      parts),
          static_cast<double>(parts), 1});
-  if (const std::size_t points = scene_.load ? scene_.load->points.size() : 0; points > 0)
+  if (const std::size_t points = scene_.load ? scene_.load->points.size() : 0; points > 0) {
+    const int held = forces_on_clamps();
     warnings.push_back(
         {"force at a point",
          fmt::format("{} force{} at single nodes: the displacement there grows without limit as "
-                     "the mesh is refined",
-                     points, points == 1 ? "" : "s"),
+                     "the mesh is refined{}",
+                     points, points == 1 ? "" : "s",
+                     held > 0 ? fmt::format(". Of these, {} act on clamps alone, without effect", held) : ""),
          static_cast<double>(points), 0});
+  }
   for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
     const std::string key = scene::contact_key(scene_.contacts, i), &group = scene_.contacts[i].on;
     const auto add = [&](const char* name, std::int64_t facets, const char* what) {
@@ -326,12 +351,19 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   BodyFigures figures;
   figures.extent = stepper.space().mesh().extent();
   figures.dim = stepper.space().dim();
+  figures.model = figures.dim == 3 ? "space" : scene::name(stepper.space().mesh().model());
+  figures.per_depth = stepper.space().mesh().per_depth();
   figures.notes = stepper.space().mesh().notes();
+  if (stepper.pairs() && stepper.space().mesh().axisymmetric() && stepper.space().degree() > 1)
+    figures.notes.emplace_back(
+        "the axis has no contact candidate: in degree 2 a pressure exerts no force on the node "
+        "there");
   figures.mass = step::mean(stepper.space(), stepper.operators().M, 0).measure;
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {
-    pressure.push_back(fem::wave_speeds(material)[0]);
-    shear.push_back(fem::wave_speeds(material)[1]);
+    const auto [fast, slow] = fem::wave_speeds(material, stepper.space().mesh().model());
+    pressure.push_back(fast);
+    shear.push_back(slow);
   }
   figures.pressure_waves = {std::ranges::min(pressure), std::ranges::max(pressure)};
   figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};
@@ -352,9 +384,12 @@ std::string BodyFigures::line() const {
     return range[0] == range[1] ? fmt::format("{:.3g}", range[0])
                                 : fmt::format("{:.3g} to {:.3g}", range[0], range[1]);
   };
-  return fmt::format("body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s; a pressure wave "
+  const std::string stands_for = model == "axisymmetric"   ? " in the half section of a body of revolution"
+                                 : model == "plane-stress" ? " in plane stress"
+                                                           : "";
+  return fmt::format("body: {} m{}, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s; a pressure wave "
                      "crosses the body in {:.2e} s{}",
-                     fmt::join(sides, " x "), mass, dim == 2 ? "/m" : "", speeds(pressure_waves),
+                     fmt::join(sides, " x "), stands_for, mass, per_depth, speeds(pressure_waves),
                      speeds(shear_waves), crossing,
                      crossing_steps > 0 ? fmt::format(" ({:.3g} steps)", crossing_steps) : "");
 }

@@ -44,6 +44,8 @@ private:
   void check_displacement(Vec y, double t);
   void check_contact(Vec y, double t);
   void add_of_mesh(std::vector<Warning>& warnings) const;
+  /// Number of the scene's forces at nodes that clamps hold in every direction of the force. Collective.
+  [[nodiscard]] int forces_on_clamps() const;
   [[nodiscard]] std::string where(const Worst& worst) const;
   [[nodiscard]] static std::string since(const Worst& worst);
 
@@ -60,9 +62,11 @@ private:
 
 /// Extent, mass and wave speeds of the body, for spotting unit errors.
 struct BodyFigures {
-  std::array<double, 3> extent{};         ///< extent of the bounding box, m
-  int dim = 0;                            ///< dimension, 2 or 3
-  double mass = 0;                        ///< kg, in the plane kg/m
+  std::array<double, 3> extent{}; ///< extent of the bounding box, m
+  int dim = 0;                    ///< dimension, 2 or 3
+  std::string model;              ///< what a body in the plane stands for, mesh.model; "space" in space
+  std::string per_depth{};        ///< suffix of the units of mass, force and energy, scene::per_depth()
+  double mass = 0;                ///< kg, in the plane kg/m
   std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
   std::array<double, 2> shear_waves{};    ///< least and greatest speed over the materials, m/s
   double crossing = 0;                    ///< time in which the fastest wave crosses the greatest extent, s

@@ -136,7 +136,7 @@ void Probes::add_reaction(const std::string& probe, const std::string& group, co
     weights_.push_back(space.vector());
     const petsc::WriteArray values(weights_.back());
     for (const int node : nodes)
-      if (stepper_.clamped().contains(node, static_cast<int>(c))) {
+      if (space.translates(c) && stepper_.clamped().contains(node, static_cast<int>(c))) {
         values[dim_ * static_cast<std::size_t>(node) + c] = 1;
         ++held;
       }
@@ -162,6 +162,12 @@ void Probes::add_body(const std::string& probe) {
     mass = mean.measure;
     centre[c] = petsc::dot(mean.weights, places);
     weights_.push_back(std::move(mean.weights));
+  }
+  if (space.mesh().axisymmetric()) { // the centre stays on the axis, and the body does not turn
+    constexpr std::size_t along = 1;
+    add_column(probe, "center_y", linear(first + along, &Sample::y, 1, centre[along]));
+    add_column(probe, "momentum_y", linear(first + along, &Sample::v, mass));
+    return;
   }
   add_vector(probe, "center", [&](std::size_t c) { return linear(first + c, &Sample::y, 1, centre[c]); });
   add_vector(probe, "momentum", [&](std::size_t c) { return linear(first + c, &Sample::v, mass); });

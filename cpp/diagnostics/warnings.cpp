@@ -93,7 +93,7 @@ std::optional<double> curvature(const std::vector<Neighbour>& around, double h, 
 CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candidate, int most, double force,
                                    double modulus) {
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
-  const bool plane = pairs.dim() == 2;
+  const bool plane = pairs.dim() == 2, round = !plane || pairs.obstacle(candidate).axisymmetric();
   std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
   if (plane && ring == 2 && around[0].xi * around[1].xi > 0) // the last node of a line
     ring = 1;
@@ -111,8 +111,8 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
     return {spacing.found, 0};
   spacing.enough = finer;
   if (bend && *bend > 0) {
-    const double radius = plane ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
-                                : std::cbrt(3 * force / (4 * modulus * *bend));
+    const double radius = round ? std::cbrt(3 * force / (4 * modulus * *bend)) // Hertz
+                                : std::sqrt(4 * force / (std::numbers::pi * modulus * *bend));
     // Puts the ring around a node in the middle, in the plane two nodes on either side of it, within the
     // zone; forces on coarse meshes are too large.
     constexpr double part = 0.7;
@@ -233,11 +233,11 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
     return {};
   return {
       {"energy lost in contact",
-       fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} {}, though the "
+       fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} J{}, though the "
                    "obstacles are at rest. Shorter steps ({}) reduce this error until a step takes {:.1e} s, "
                    "the time in which a wave crosses an element in contact. Below that length only smaller "
                    "elements reduce the error; with contact.mass = \"massless\" shorter steps do too",
-                   part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
+                   part, largest_energy, stepper.space().mesh().per_depth(),
                    scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
        part, small_loss}};
 }

@@ -215,7 +215,7 @@ std::vector<io::ComparedQuantity> compared(const problem::Problem& problem,
     const double none =
         one.of == scene::Quantity::contact_time ? 0 : std::numeric_limits<double>::quiet_NaN();
     const bool force = one.of == scene::Quantity::sustained_peak;
-    const char* unit = !force ? "s" : problem.space.dim() == 2 ? "N/m" : "N";
+    const std::string unit = force ? std::string("N") + problem.space.mesh().per_depth() : "s";
     all.push_back({one.name, unit, *one.value, one.deviation.value_or(0),
                    touched ? numbers.at(quantity + obstacle) : none});
   }

@@ -8,8 +8,7 @@
 namespace signorini::drivers {
 namespace {
 
-/// Unit of an extensive quantity; in 2D `unit` per metre of depth.
-std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
+using Body = diagnostics::BodyFigures;
 
 /// Text of the first `dim` components of a vector; components below 1e-9 of the largest one are written as 0.
 std::string components(std::array<double, 3> x, int dim) {
@@ -34,7 +33,7 @@ std::string nearest(const diagnostics::Touch& touch) {
   return fmt::format("the least gap was {:.4g} m, at {:.6g} s", touch.least_gap, touch.least_gap_time);
 }
 
-std::string touch_line(const std::string& name, const diagnostics::Touch& touch, int dim) {
+std::string touch_line(const std::string& name, const diagnostics::Touch& touch, const Body& body) {
   if (!touch.occurred())
     return fmt::format("  {}: not touched; {}", name, nearest(touch));
   const std::string closed = touch.contact_time < 0.999 * (touch.end - touch.start)
@@ -44,35 +43,35 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
   return fmt::format(
       "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two-step means {:.4g}{} {} at {:.6g} s{}\n"
       "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {} (largest mean over {:.3g} s)",
-      name, touch.start, touch.end, closed, components(J, dim),
-      by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim), touch.peak,
-      by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim), touch.peak_time,
+      name, touch.start, touch.end, closed, components(J, body.dim),
+      by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), "N s" + body.per_depth, touch.peak,
+      by_modulus(touch.peak, touch.normal_peak), "N" + body.per_depth, touch.peak_time,
       touch.peak_at_onset ? ", as contact begins" : "", touch.impulse_duration, touch.sustained_peak,
-      per_depth("N", dim), touch.sustained_over);
+      "N" + body.per_depth, touch.sustained_over);
 }
 
 /// Text on the velocities before and after a rebound, and its restitution.
-std::string velocities(const diagnostics::Rebound& rebound, bool ended, int dim) {
-  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, dim),
-                     components(rebound.after, dim), ended ? "after" : "at the end, still in contact",
+std::string velocities(const diagnostics::Rebound& rebound, bool ended, const Body& body) {
+  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, body.dim),
+                     components(rebound.after, body.dim), ended ? "after" : "at the end, still in contact",
                      rebound.restitution ? fmt::format("; restitution {:.4g}", *rebound.restitution) : "");
 }
 
 std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std::size_t of, bool ended,
-                        int dim) {
+                        const Body& body) {
   return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}", which,
                      of, one.start, one.end,
                      one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
-                     components(one.impulse, dim), per_depth("N s", dim), one.peak, per_depth("N", dim),
-                     velocities(one, ended, dim));
+                     components(one.impulse, body.dim), "N s" + body.per_depth, one.peak,
+                     "N" + body.per_depth, velocities(one, ended, body));
 }
 
 /// Adds a line for each of the first five bounces, if there are several bounces.
-void add_bounces(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
+void add_bounces(const diagnostics::Impact& impact, const Body& body, std::vector<std::string>& lines) {
   constexpr std::size_t most = 5;
   const std::size_t number = impact.bounces.size();
   for (std::size_t i = 0; number > 1 && i < std::min(number, most); ++i)
-    lines.push_back(bounce_line(impact.bounces[i], i + 1, number, i + 1 < number || impact.ended, dim));
+    lines.push_back(bounce_line(impact.bounces[i], i + 1, number, i + 1 < number || impact.ended, body));
   if (number > most)
     lines.emplace_back("  the others are in run.json, as impact.bounces");
 }
@@ -86,7 +85,7 @@ std::string over_all(const diagnostics::Impact& impact) {
   return touches == bounces ? text : text + fmt::format(" of {} touches", touches);
 }
 
-void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
+void add_impact(const diagnostics::Impact& impact, const Body& body, std::vector<std::string>& lines) {
   if (!impact.all.occurred()) {
     lines.push_back("contact: none; " + nearest(impact.all));
     return;
@@ -94,16 +93,16 @@ void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::str
   lines.emplace_back("contact (impulse, its time from 1 to 99 % and, if the force is smooth, the sustained "
                      "peak converge; touch times and peaks of two-step means need not):");
   for (const diagnostics::Touch& one : impact.obstacles)
-    lines.push_back(touch_line(one.name, one, dim));
+    lines.push_back(touch_line(one.name, one, body));
   if (std::ranges::count_if(impact.obstacles, &diagnostics::Touch::occurred) > 1)
-    lines.push_back(touch_line("all together", impact.all, dim));
-  lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, dim) +
+    lines.push_back(touch_line("all together", impact.all, body));
+  lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, body) +
                   over_all(impact) +
                   (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
-  add_bounces(impact, dim, lines);
+  add_bounces(impact, body, lines);
 }
 
-void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
+void add_energy(const diagnostics::EnergyAccount& energy, const Body& body, std::vector<std::string>& lines) {
   const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start,
                end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end +
                      energy.relaxation_at_end;
@@ -114,7 +113,7 @@ void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<s
                                  : foundations           ? ", with that of foundations"
                                  : branches              ? ", with that of branches"
                                                          : "",
-                                 start, per_depth("J", dim));
+                                 start, "J" + body.per_depth);
   constexpr double rounding = 1e-12;
   const double largest =
       std::max({start, std::abs(energy.load_work), std::abs(energy.other_work), std::abs(energy.contact_work),
@@ -144,9 +143,9 @@ void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<s
 std::vector<std::string> summary_lines(const io::Manifest& manifest) {
   std::vector<std::string> lines;
   if (manifest.impact)
-    add_impact(*manifest.impact, manifest.dim, lines);
+    add_impact(*manifest.impact, manifest.body, lines);
   if (manifest.energy)
-    add_energy(*manifest.energy, manifest.dim, lines);
+    add_energy(*manifest.energy, manifest.body, lines);
   if (manifest.von_mises)
     lines.push_back(fmt::format(
         "largest stored von Mises stress: {:.4g} Pa in the cell at {} m, {:.6g} s{}; {:.4g} Pa recovered "

@@ -66,7 +66,7 @@ struct CellFields::Expressions {
     const scene::Material& material = parts[part].material;
     const scene::ElasticModuli whole = material.instantaneous();
     for (const scene::Branch& branch : material.prony) {
-      const ConstantValues moduli = of_moduli({branch.k * whole.bulk, branch.g * whole.shear});
+      const ConstantValues moduli = of_moduli(material, {branch.k * whole.bulk, branch.g * whole.shear});
       const auto q = std::make_shared<Function>(space.dolfinx());
       branches.push_back({part, q, expression(CellField::stress, q, moduli)});
     }
@@ -77,8 +77,7 @@ struct CellFields::Expressions {
                                       const ConstantValues& values) const {
     const std::map<std::string, std::shared_ptr<const Function>> motion{{"displacement", displacement},
                                                                         {"velocity", rate}};
-    const ufcx_expression& code =
-        *generated(space.dim(), space.degree()).fields.at(static_cast<std::size_t>(field));
+    const ufcx_expression& code = *generated(space).fields.at(static_cast<std::size_t>(field));
     return dolfinx_versions::create_expression(code, motion, constants(values));
   }
 

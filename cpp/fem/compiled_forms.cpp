@@ -4,9 +4,14 @@
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
+#include "viscoelasticity_triangle_1_axisymmetric.h"
+#include "viscoelasticity_triangle_1_plane_stress.h"
 #include "viscoelasticity_triangle_2.h"
+#include "viscoelasticity_triangle_2_axisymmetric.h"
+#include "viscoelasticity_triangle_2_plane_stress.h"
 #include <dolfinx/fem/utils.h>
 #include <stdexcept>
+#include <tuple>
 
 namespace signorini::fem {
 
@@ -17,40 +22,41 @@ const char* name(Form form) {
   return names.at(static_cast<std::size_t>(form));
 }
 
-#define SIGNORINI_GENERATED(cell, degree)                                                                    \
+#define SIGNORINI_GENERATED(which)                                                                           \
   Generated {                                                                                                \
-    {form_viscoelasticity_##cell##_##degree##_L2,                                                            \
-     form_viscoelasticity_##cell##_##degree##_L2_surface,                                                    \
-     form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                   \
-     form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                           \
-     form_viscoelasticity_##cell##_##degree##_springs,                                                       \
-     form_viscoelasticity_##cell##_##degree##_m,                                                             \
-     form_viscoelasticity_##cell##_##degree##_a,                                                             \
-     form_viscoelasticity_##cell##_##degree##_b,                                                             \
-     form_viscoelasticity_##cell##_##degree##_d,                                                             \
-     form_viscoelasticity_##cell##_##degree##_d_elastic,                                                     \
-     form_viscoelasticity_##cell##_##degree##_m_rho,                                                         \
-     form_viscoelasticity_##cell##_##degree##_a_young,                                                       \
-     form_viscoelasticity_##cell##_##degree##_a_poisson,                                                     \
-     form_viscoelasticity_##cell##_##degree##_b_kappa,                                                       \
-     form_viscoelasticity_##cell##_##degree##_b_eta},                                                        \
+    {form_viscoelasticity_##which##_L2,          form_viscoelasticity_##which##_L2_surface,                  \
+     form_viscoelasticity_##which##_L2_cellwise, form_viscoelasticity_##which##_L2_cellwise_surface,         \
+     form_viscoelasticity_##which##_springs,     form_viscoelasticity_##which##_m,                           \
+     form_viscoelasticity_##which##_a,           form_viscoelasticity_##which##_b,                           \
+     form_viscoelasticity_##which##_d,           form_viscoelasticity_##which##_d_elastic,                   \
+     form_viscoelasticity_##which##_m_rho,       form_viscoelasticity_##which##_a_young,                     \
+     form_viscoelasticity_##which##_a_poisson,   form_viscoelasticity_##which##_b_kappa,                     \
+     form_viscoelasticity_##which##_b_eta},                                                                  \
     {                                                                                                        \
-      expression_viscoelasticity_##cell##_##degree##_strain,                                                 \
-          expression_viscoelasticity_##cell##_##degree##_stress,                                             \
-          expression_viscoelasticity_##cell##_##degree##_von_mises                                           \
+      expression_viscoelasticity_##which##_strain, expression_viscoelasticity_##which##_stress,              \
+          expression_viscoelasticity_##which##_von_mises                                                     \
     }                                                                                                        \
   }
 
-Generated generated(int dim, int degree) {
-  if (dim == 2 && degree == 1)
-    return SIGNORINI_GENERATED(triangle, 1);
-  if (dim == 2 && degree == 2)
-    return SIGNORINI_GENERATED(triangle, 2);
-  if (dim == 3 && degree == 1)
-    return SIGNORINI_GENERATED(tetrahedron, 1);
-  if (dim == 3 && degree == 2)
-    return SIGNORINI_GENERATED(tetrahedron, 2);
-  throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
+Generated generated(int dim, int degree, scene::PlaneModel model) {
+  using enum scene::PlaneModel;
+  static const std::map<std::tuple<int, int, scene::PlaneModel>, Generated> all{
+      {{2, 1, plane_strain}, SIGNORINI_GENERATED(triangle_1)},
+      {{2, 2, plane_strain}, SIGNORINI_GENERATED(triangle_2)},
+      {{2, 1, plane_stress}, SIGNORINI_GENERATED(triangle_1_plane_stress)},
+      {{2, 2, plane_stress}, SIGNORINI_GENERATED(triangle_2_plane_stress)},
+      {{2, 1, axisymmetric}, SIGNORINI_GENERATED(triangle_1_axisymmetric)},
+      {{2, 2, axisymmetric}, SIGNORINI_GENERATED(triangle_2_axisymmetric)},
+      {{3, 1, plane_strain}, SIGNORINI_GENERATED(tetrahedron_1)},
+      {{3, 2, plane_strain}, SIGNORINI_GENERATED(tetrahedron_2)}};
+  const auto found = all.find({dim, degree, model});
+  if (found == all.end())
+    throw std::logic_error("no forms were compiled for this cell, degree and model (CMakeLists.txt)");
+  return found->second;
+}
+
+Generated generated(const Space& space) {
+  return generated(space.dim(), space.degree(), space.mesh().model());
 }
 
 namespace {
@@ -83,7 +89,10 @@ ConstantValues of_step(const scene::Material& material, double tau) {
   return values;
 }
 
-ConstantValues of_moduli(scene::ElasticModuli moduli) { return {.kappa = moduli.bulk, .eta = moduli.shear}; }
+ConstantValues of_moduli(const scene::Material& material, scene::ElasticModuli moduli) {
+  // Of the elastic constants the viscous terms take Poisson's ratio, by which plane stress reduces them.
+  return {.poisson = material.poisson, .kappa = moduli.bulk, .eta = moduli.shear};
+}
 
 Constants constants(const ConstantValues& values) {
   const auto constant = [](double value) {
@@ -102,7 +111,7 @@ Compiled compile(const Space& space, Form form, const std::vector<std::int32_t>&
   const bool surface = form == Form::L2_surface || form == Form::L2_cellwise_surface || form == Form::springs;
   const auto type = surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
-  const ufcx_form& code = *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form));
+  const ufcx_form& code = *generated(space).forms.at(static_cast<std::size_t>(form));
   // Check the generated code, since dolfinx leaves out integrals without entities.
   constexpr int types = 3; // cells, exterior and interior facets
   const int at = code.form_integral_offsets[static_cast<int>(type)];

@@ -25,9 +25,11 @@ struct Generated {
   std::array<const ufcx_expression*, 3> fields;
 };
 
-/// Returns the generated code for simplices of dimension `dim` and functions of degree `degree`. Throws
-/// std::logic_error if none was compiled for these.
-Generated generated(int dim, int degree);
+/// Returns the generated code for simplices of dimension `dim`, functions of degree `degree` and, in the
+/// plane, `model`. Throws std::logic_error if none was compiled for these.
+Generated generated(int dim, int degree, scene::PlaneModel model);
+/// Returns the generated code for the functions of a space.
+Generated generated(const Space& space);
 
 /// Values of the constants of forms and fields, by their names in forms/viscoelasticity.py.
 struct ConstantValues {
@@ -44,8 +46,9 @@ ConstantValues of_material(const scene::Material& material);
 /// those of Material::during_step().
 ConstantValues of_step(const scene::Material& material, double tau);
 /// Returns values with which the form b, or the stress of a velocity, is that of an elastic material with the
-/// given moduli, if a displacement takes the place of the velocity.
-ConstantValues of_moduli(scene::ElasticModuli moduli);
+/// given moduli, if a displacement takes the place of the velocity. In plane stress the moduli must have the
+/// ratio of those of `material`.
+ConstantValues of_moduli(const scene::Material& material, scene::ElasticModuli moduli);
 
 using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<PetscScalar>>>;
 /// Returns the constants that compiled forms and fields take.

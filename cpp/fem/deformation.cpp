@@ -91,6 +91,22 @@ Simplex::Point middle(int dim, Vertex&& vertex) {
   return at;
 }
 
+/// Strain around the axis, y_r/r, of a body of revolution: at vertex v of a cell or, for degree 1, at the
+/// middle.
+double hoop_strain(const Space& space, std::span<const std::int32_t> dofs, std::span<const double> at_dofs,
+                   const Gradient& G, const auto& vertex, std::size_t v) {
+  const auto vertices = static_cast<std::size_t>(space.dim()) + 1;
+  const auto radial = [&](std::size_t dof) {
+    return at_dofs[static_cast<std::size_t>(dofs[dof]) * static_cast<std::size_t>(space.dim())];
+  };
+  double y = 0, r = 0; // sums over the vertices have the same ratio as means
+  for (std::size_t i = space.degree() == 1 ? 0 : v; i < (space.degree() == 1 ? vertices : v + 1); ++i) {
+    y += radial(i);
+    r += vertex(static_cast<int>(i))[0];
+  }
+  return r > 0 ? y / r : G[0][0]; // its limit on the axis
+}
+
 /// ∇y at vertex v of a cell. `slope`: gradients of the barycentric coordinates λ. For degree 2 the basis
 /// consists of λ_i (2λ_i − 1) and 4 λ_a λ_b.
 Gradient gradient(const Space& space, std::span<const std::int32_t> dofs, std::span<const double> at_dofs,
@@ -144,11 +160,14 @@ Deformation deformation(const Space& space, Vec y) {
     const auto dofs = dofmap->cell_dofs(cell);
     bool inverted = false;
     for (std::size_t v = 0; v < samples; ++v) {
-      const Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
+      Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
+      if (space.mesh().axisymmetric())
+        G[2][2] = hoop_strain(space, dofs, at_dofs, G, dolfinx_versions::vertices(geometry, cell), v);
       strains.push_back(principal_strain(G, (1 - tie) * most));
       most = std::max(most, strains.back());
       rotations.push_back(rotation(G));
-      inverted = inverted || !(volume_ratio(G) > 0);
+      // Cells that pass through the axis change the sign of the volume twice.
+      inverted = inverted || !(volume_ratio(G) > 0) || (space.mesh().axisymmetric() && !(1 + G[2][2] > 0));
     }
     found.inverted += inverted;
   }

@@ -27,7 +27,8 @@ struct Deformation {
 };
 
 /// Evaluates the deformation by ∇y at the vertices of all cells, where displacements of degree 1 and 2 have
-/// their largest strains. Collective.
+/// their largest strains. In a body of revolution y_r/r, the strain around the axis, counts; it is taken at
+/// the middle of cells of degree 1. Collective.
 Deformation deformation(const Space& space, Vec y);
 
 /// Mean of the cells' longest edges, weighted by volume, m. Collective.

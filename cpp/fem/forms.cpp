@@ -134,12 +134,26 @@ petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std
   return matrix;
 }
 
+/// Throws UserError if all nodes of a boundary group are on the axis of a body of revolution. Collective.
+void require_area(const Space& space, const std::string& group, const std::string& key) {
+  if (!space.mesh().axisymmetric())
+    return;
+  const std::vector<int> nodes = space.nodes_on(group, key);
+  int off_axis = std::ranges::any_of(nodes, [&](int node) { return !space.on_axis(node); });
+  MPI_Allreduce(MPI_IN_PLACE, &off_axis, 1, MPI_INT, MPI_MAX, space.comm());
+  if (off_axis == 0)
+    throw UserError(
+        fmt::format("{}: found \"{}\", a group on the axis, which is inside the body and has no area; "
+                    "choose another group",
+                    key, group));
+}
+
 /// Assembles the form `volume` over a group of cells, or the form `surface` over a group of facets (AIJ).
 /// Collective.
 petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
                             Form surface) {
   return space.mesh().group_dimension(group, key) < space.dim()
-             ? assemble_over(space, surface, sides(space, space.mesh().facets(group, key)))
+             ? assemble_over(space, surface, sides(space, group, key))
              : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
@@ -159,9 +173,9 @@ std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) 
 
 } // namespace
 
-std::string forms_digest(int dim, int degree) {
+std::string forms_digest(int dim, int degree, scene::PlaneModel model) {
   Digest digest;
-  for (const ufcx_form* form : generated(dim, degree).forms)
+  for (const ufcx_form* form : generated(dim, degree, model).forms)
     digest.add(form->signature);
   return digest.text();
 }
@@ -202,7 +216,7 @@ petsc::Matrix assemble_elasticity(const Space& space, const std::vector<Part>& p
                                   scene::ElasticModuli moduli) {
   const std::vector<std::int32_t>& cells = parts[part].cells;
   petsc::Matrix matrix = empty_with_diagonal(space, Form::b, cells);
-  add(space, Form::b, cells, of_moduli(moduli), matrix);
+  add(space, Form::b, cells, of_moduli(parts[part].material, moduli), matrix);
   finish(matrix);
   return symmetric(space.layout().extended(std::move(matrix)));
 }
@@ -212,6 +226,7 @@ petsc::Matrix assemble_part(const Space& space, const std::string& group, const 
 }
 
 std::vector<std::int32_t> sides(const Space& space, const std::string& group, const std::string& key) {
+  require_area(space, group, key);
   return sides(space, space.mesh().facets(group, key));
 }
 

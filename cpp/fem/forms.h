@@ -41,9 +41,10 @@ enum class Form {
   b_eta
 };
 
-/// Digest of the compiled forms for simplices of dimension `dim` and functions of degree `degree`; it changes
-/// if a form is edited. Throws std::logic_error if no forms were compiled for these. Not collective.
-std::string forms_digest(int dim, int degree);
+/// Digest of the compiled forms for simplices of dimension `dim`, functions of degree `degree` and, in the
+/// plane, `model`; it changes if a form is edited. Throws std::logic_error if no forms were compiled for
+/// these. Not collective.
+std::string forms_digest(int dim, int degree, scene::PlaneModel model = scene::PlaneModel::plane_strain);
 
 /// Assembles a form over the cells of the body's parts for a time step `tau`, s, without boundary conditions.
 /// Returns a symmetric matrix of PETSc type `type` (AIJ or BAIJ) on V, whose block size is the space

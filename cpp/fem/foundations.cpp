@@ -20,8 +20,8 @@ Springs on_facets(const Space& space, const std::vector<scene::Foundation>& foun
 }
 
 /// Dashpots that absorb plane waves along the normal: impedances ρ c of pressure and shear waves.
-Springs impedances(const scene::Material& material) {
-  const auto [pressure, shear] = wave_speeds(material);
+Springs impedances(const scene::Material& material, scene::PlaneModel model) {
+  const auto [pressure, shear] = wave_speeds(material, model);
   return {material.density * pressure, material.density * shear};
 }
 
@@ -42,8 +42,8 @@ bool impedances_depend_on(scene::Parameter of, const scene::Material& material) 
 }
 
 /// Derivatives of impedances() by a constant of the material.
-Springs impedance_rates(const scene::Material& material, scene::Parameter of) {
-  const Springs now = impedances(material);
+Springs impedance_rates(const scene::Material& material, scene::PlaneModel model, scene::Parameter of) {
+  const Springs now = impedances(material, model);
   const double nu = material.poisson;
   const auto scaled = [&](double normal, double tangential) {
     return Springs{now.normal * normal, now.tangential * tangential};
@@ -64,6 +64,8 @@ Springs impedance_rates(const scene::Material& material, scene::Parameter of) {
     if (material.moduli == scene::Moduli::long_term)
       return by_moduli(2 / (1 - 2 * nu), -1 / (1 + nu));
     // Half the logarithmic derivatives of the moduli.
+    if (model == scene::PlaneModel::plane_stress)
+      return scaled(nu / (1 - nu * nu), -1 / (2 * (1 + nu)));
     return scaled((-1 / (1 - nu) - 1 / (1 + nu) + 2 / (1 - 2 * nu)) / 2, -1 / (2 * (1 + nu)));
   case scene::Parameter::prony_k: // K_0 = K / (1 − Σk)
     return by_moduli(material.instantaneous().bulk / given.bulk, 0);
@@ -135,7 +137,9 @@ petsc::Matrix assemble_dashpots(const Space& space, const std::vector<scene::Fou
   for (std::size_t i = 0; i < foundations.size(); ++i)
     if (const auto& dashpots = foundations[i].damping)
       all.push_back(on_facets(space, foundations, i, dashpots->normal, dashpots->tangential));
-  add_absorbing(space, foundations, materials, [&](std::size_t p) { return impedances(materials[p]); }, all);
+  add_absorbing(
+      space, foundations, materials,
+      [&](std::size_t p) { return impedances(materials[p], space.mesh().model()); }, all);
   return assembled(space, all);
 }
 
@@ -152,7 +156,10 @@ petsc::Matrix assemble_absorption_rate(const Space& space, const std::vector<sce
   std::vector<Springs> all;
   add_absorbing(
       space, foundations, materials,
-      [&](std::size_t p) { return p == material ? impedance_rates(materials[p], of) : Springs{}; }, all);
+      [&](std::size_t p) {
+        return p == material ? impedance_rates(materials[p], space.mesh().model(), of) : Springs{};
+      },
+      all);
   return assembled(space, all);
 }
 

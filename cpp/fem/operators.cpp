@@ -34,6 +34,11 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
         for (std::size_t c = 0; c < components.size(); ++c) {
           const std::string value =
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c).text : "0";
+          if (components[c] == 0 && space.on_axis(node) && value != "0")
+            throw UserError(fmt::format(
+                "{}: found \"{}\" for x of the node at {}; the node is on the axis, where the "
+                "radial displacement is 0. End the group before the axis",
+                key(i, "value"), value, point_text(&space.points()[3 * static_cast<std::size_t>(node)])));
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
           if (const auto& [other, by] = held->second; !first && other != value)
             throw UserError(fmt::format("{}: found \"{}\", but {} prescribes {} of the node at {} as \"{}\"; "
@@ -44,6 +49,9 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
         }
     });
   }
+  for (int node = 0; node < space.owned_nodes(); ++node)
+    if (space.on_axis(node))
+      motion.try_emplace(node * dim_, "0", clamps.size());
   for (const auto& [dof, held] : motion)
     dofs_.push_back(dof);
   if (const Layout& layout = space.layout(); layout.owns_virtual_nodes())

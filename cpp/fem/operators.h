@@ -7,12 +7,13 @@
 
 namespace signorini::fem {
 
-/// Clamped dofs: dofs whose motion the scene's clamps prescribe, and dofs of virtual nodes that are fixed to
-/// zero.
+/// Clamped dofs: dofs whose motion the scene's clamps prescribe, radial dofs on the axis of a body of
+/// revolution, and dofs of virtual nodes that are fixed to zero.
 class DirichletDofs {
 public:
-  /// Collects the clamped dofs. Collective. Throws UserError on every rank if a group is missing or two
-  /// clamps prescribe different motions of the same dof.
+  /// Collects the clamped dofs. Collective. Throws UserError on every rank if a group is missing, if two
+  /// clamps prescribe different motions of the same dof, and if a clamp moves the axis of a body of
+  /// revolution radially.
   DirichletDofs(const Space& space, const std::vector<scene::Clamp>& clamps);
 
   /// Clamped dofs that this rank owns, by local number, ascending.

@@ -17,7 +17,8 @@ constexpr int most_parts = 16;
 constexpr double rounding = 1e-10;
 
 /// Rigid motions of one part of the mesh: translations along the axes, and rotations about the centre of the
-/// part's nodes. Rotations are scaled to the same magnitude as the translations.
+/// part's nodes. Rotations are scaled to the same magnitude as the translations. A body of revolution has
+/// only the translation along its axis.
 std::vector<petsc::Vector> motions_of(const Space& space, const std::vector<int>& part_of_node, int part) {
   const auto dim = static_cast<std::size_t>(space.dim());
   std::array<double, 5> sums{}; // coordinates, their squares, number
@@ -51,7 +52,10 @@ std::vector<petsc::Vector> motions_of(const Space& space, const std::vector<int>
     motions.push_back(std::move(motion));
   };
   for (std::size_t axis = 0; axis < dim; ++axis)
-    add([axis](std::size_t c, const auto&) { return c == axis ? 1.0 : 0.0; });
+    if (space.translates(axis))
+      add([axis](std::size_t c, const auto&) { return c == axis ? 1.0 : 0.0; });
+  if (space.mesh().axisymmetric())
+    return motions;
   for (std::size_t axis = dim == 2 ? 2 : 0; axis < 3; ++axis) {
     const std::size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
     add([=](std::size_t c, const auto& r) { return c == a ? -r[b] / radius : c == b ? r[a] / radius : 0.0; });

@@ -89,6 +89,17 @@ public:
   /// Coordinates of the mesh's nodes that this rank owns, (owned_nodes × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
 
+  /// Whether a translation along a component (0, 1, 2) is a rigid motion: true except along the radius of a
+  /// body of revolution. Forces and momenta have resultants along these components only.
+  [[nodiscard]] bool translates(std::size_t component) const {
+    return component > 0 || !mesh_->axisymmetric();
+  }
+  /// Whether an owned node (local number) is on the axis of a body of revolution, where the radial
+  /// displacement is zero.
+  [[nodiscard]] bool on_axis(int node) const {
+    return mesh_->axisymmetric() && points_[3 * static_cast<std::size_t>(node)] == 0;
+  }
+
   /// Creates a zero vector of V. Collective.
   [[nodiscard]] petsc::Vector vector() const { return layout_.vector(); }
 

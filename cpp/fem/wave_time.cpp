@@ -37,16 +37,17 @@ double least_height(const mesh::Mesh& mesh, std::int32_t cell) {
 
 } // namespace
 
-std::array<double, 2> wave_speeds(const scene::Material& material) {
+std::array<double, 2> wave_speeds(const scene::Material& material, scene::PlaneModel model) {
   const auto [young, nu] = material.instantaneous_constants();
   const double shear = young / (2 * (1 + nu)) / material.density;
-  return {std::sqrt(shear * 2 * (1 - nu) / (1 - 2 * nu)), std::sqrt(shear)};
+  const double ratio = model == scene::PlaneModel::plane_stress ? 2 / (1 - nu) : 2 * (1 - nu) / (1 - 2 * nu);
+  return {std::sqrt(shear * ratio), std::sqrt(shear)};
 }
 
 double crossing_time(const Space& space, const std::vector<scene::Material>& materials) {
   double fastest = 0;
   for (const scene::Material& material : materials)
-    fastest = std::max(fastest, wave_speeds(material)[0]);
+    fastest = std::max(fastest, wave_speeds(material, space.mesh().model())[0]);
   return std::ranges::max(space.mesh().extent()) / fastest;
 }
 
@@ -55,7 +56,7 @@ double least_wave_time(const Space& space, const std::vector<scene::Material>& m
   const std::vector<bool> wanted = cells_at(space.mesh(), surfaces);
   double least = std::numeric_limits<double>::infinity();
   for (const Part& part : parts(space.mesh(), materials)) {
-    const double speed = wave_speeds(part.material)[0];
+    const double speed = wave_speeds(part.material, space.mesh().model())[0];
     for (const std::int32_t cell : part.cells)
       if (wanted[static_cast<std::size_t>(cell)])
         least = std::min(least, least_height(space.mesh(), cell) / speed);

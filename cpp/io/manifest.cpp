@@ -164,7 +164,8 @@ ordered_json energy_json(const diagnostics::EnergyAccount& energy, const StepsCo
 }
 
 ordered_json body_json(const diagnostics::BodyFigures& body) {
-  return {{"extent", vector(body.extent, body.dim)},
+  return {{"model", body.model},
+          {"extent", vector(body.extent, body.dim)},
           {"mass", body.mass},
           {"pressure_waves", body.pressure_waves},
           {"shear_waves", body.shear_waves},

@@ -36,6 +36,20 @@ std::array<double, 3> bounding_box(const RawMesh& raw) {
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
+/// Takes a mesh as the half section of a body of revolution: sets the radius x of nodes on the axis to 0.
+/// Throws UserError if a node has a negative radius.
+void take_as_half_section(RawMesh& raw) {
+  constexpr double on_axis = 1e-9; // of the longest side; nodes that gmsh puts on the axis are 1e-15 off
+  const double tolerance = on_axis * std::ranges::max(bounding_box(raw));
+  for (std::size_t p = 0; raw.dim == 2 && p < raw.points.size(); p += 3)
+    if (raw.points[p] < -tolerance)
+      throw UserError(fmt::format("mesh.model: found \"axisymmetric\" with a node at x = {:.6g} m; x is the "
+                                  "radius. Move the body to x >= 0, with the axis at x = 0",
+                                  raw.points[p]));
+    else if (std::abs(raw.points[p]) <= tolerance)
+      raw.points[p] = 0;
+}
+
 /// Distributes facets from a list on rank 0 (facets × dim, nodes of the file). Returns the local indices of
 /// those that this rank has, ascending. Collective.
 std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
@@ -81,13 +95,15 @@ RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path&
 } // namespace
 
 Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
-    : comm_(comm), file_(mesh.file.string()) {
+    : comm_(comm), file_(mesh.file.string()), model_(mesh.model.value_or(scene::PlaneModel::plane_strain)) {
   RawMesh raw;
   on_root(comm, [&] {
     try {
       raw = read_gmsh(mesh, meshing);
       if (mesh.meshed() && !meshing.keep.empty())
         raw = kept(meshing.sizes ? refined(std::move(raw), *meshing.sizes) : raw, mesh, meshing.keep);
+      if (axisymmetric())
+        take_as_half_section(raw);
     } catch (const Interrupted&) { // all ranks throw it below
     }
   });

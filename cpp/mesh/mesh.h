@@ -40,6 +40,13 @@ public:
   /// Space dimension.
   [[nodiscard]] int dim() const { return dim_; }
 
+  /// What a body in the plane stands for; without meaning in space.
+  [[nodiscard]] scene::PlaneModel model() const { return model_; }
+  /// Whether the mesh is the half section of a body of revolution, x ≥ 0. The axis is x = 0.
+  [[nodiscard]] bool axisymmetric() const { return model_ == scene::PlaneModel::axisymmetric; }
+  /// scene::per_depth() of the body.
+  [[nodiscard]] const char* per_depth() const { return scene::per_depth(dim_, model_); }
+
   /// Sides of the bounding box, m.
   [[nodiscard]] const std::array<double, 3>& extent() const { return extent_; }
   /// Diagonal of the bounding box, m: the reference length for tolerances of gaps.
@@ -81,6 +88,7 @@ private:
   std::string file_, digest_;
   std::vector<std::string> notes_;
   int dim_ = 0;
+  scene::PlaneModel model_;
   std::array<double, 3> extent_{};
   std::int64_t cells_ = 0;
   std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;

@@ -45,11 +45,18 @@ struct Mesh {
   std::optional<double>
       size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
   double scale = 1; ///< factor on the sizes that the .geo itself sets
-  LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
-  int degree = 1;                  ///< Lagrange degree of the displacement
+  LengthUnit unit = LengthUnit::m;   ///< unit of the file's coordinates
+  int degree = 1;                    ///< Lagrange degree of the displacement
+  std::optional<PlaneModel> model{}; ///< absent in space; in the plane absent means plane strain
   /// .geo of the same body with element sizes graded by the estimated error; set by the program, not a key.
   std::filesystem::path graded{};
 
+  /// scene::per_depth() for a mesh of `dim` dimensions.
+  [[nodiscard]] const char* per_depth(int dim) const {
+    return scene::per_depth(dim, model.value_or(PlaneModel::plane_strain));
+  }
+  /// Whether the mesh is the half section of a body of revolution.
+  [[nodiscard]] bool axisymmetric() const { return model == PlaneModel::axisymmetric; }
   /// Whether the element size is "auto", chosen by the estimated error (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }
   /// Whether the file is a mesh already, a .msh.

@@ -51,6 +51,7 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
     in.fail("prony", "found " + excess);
   if (in.has("moduli") && !material.relaxes())
     in.fail("moduli", "has no effect without prony; give a Prony series, or remove moduli");
+  require_model(in, material, scene);
 }
 
 void require_rules(Reader& in, const Foundation& foundation, const Scene& scene) {
@@ -62,6 +63,11 @@ void require_rules(Reader& in, const Foundation& foundation, const Scene& scene)
     in.finish(); // reports a misspelt key, the likeliest reason
     in.fail("", "found none of stiffness, damping, absorbing; give at least one");
   }
+  const auto acts = [](const auto& table) { return table->normal + table->tangential > 0; };
+  if (foundation.stiffness && !acts(foundation.stiffness))
+    in.fail("stiffness", "found no number above 0; give normal or tangential, or remove it");
+  if (foundation.damping && !acts(foundation.damping))
+    in.fail("damping", "found no number above 0; give normal or tangential, or remove it");
   if (foundation.absorbing && foundation.damping)
     in.fail("damping", "found together with absorbing = true, which sets the dashpots; remove one of them");
 }

@@ -21,6 +21,16 @@ constexpr double metres(LengthUnit unit) {
   return lengths[static_cast<std::size_t>(unit)];
 }
 
+/// Assumption by which a body in the plane stands for one in space (forms/viscoelasticity.py). axisymmetric:
+/// x is the radius and y the axis of a body of revolution.
+enum class PlaneModel { plane_strain, plane_stress, axisymmetric };
+constexpr Names<3> names(PlaneModel) { return {"plane-strain", "plane-stress", "axisymmetric"}; }
+/// Suffix of the units of mass, force and energy of a body of `dim` dimensions: "/m" if they are per metre of
+/// depth, else empty.
+constexpr const char* per_depth(int dim, PlaneModel model) {
+  return dim == 2 && model != PlaneModel::axisymmetric ? "/m" : "";
+}
+
 enum class TimeScheme { contact_implicit, contact_stabilized };
 constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
 

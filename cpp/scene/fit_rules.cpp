@@ -197,6 +197,7 @@ void require_free_name(const Reader& in, const std::string& name) {
 
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   require_target(in, unknown, scene);
+  require_model(in, unknown, scene);
   const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
                         unknown.of == Parameter::angle;
   require_where(in, "component", unknown.of == Parameter::center, in_place || unknown.of == Parameter::center,
@@ -270,6 +271,7 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
                 "has no effect on a quantity that is compared, but not fitted; use deviation");
   if (measurement.deviation && measurement.noise)
     in.fail("noise", "found together with deviation; give only one of them");
+  require_model(in, measurement, scene);
 }
 
 std::string excess_of_fractions(const Scene& scene, std::span<const double> values) {

@@ -51,10 +51,6 @@ const std::vector<Refusal>& refusals() {
        {"material.model", "material.law", "material.type"}},
       {"anisotropic materials", "materials are isotropic", {"orthotropic", "anisotropic", "fibre", "fiber"}},
       {"heat", "there is no temperature", {"temperature", "thermal", "heat", "conductivity", "wlf"}},
-      {"plane stress and axial symmetry",
-       "a body in the plane is in plane strain, per metre of depth",
-       {"axisymmetric", "thickness"},
-       {"mesh.model", "material.plane_stress", "mesh.plane_stress", "plane_stress"}},
       {"single springs",
        "springs act per area of a surface: [[foundation]]",
        {"spring", "springs", "winkler"}}};
@@ -83,7 +79,15 @@ const std::vector<Synonym>& synonyms() {
       {"give damping as material.viscosity = { bulk, shear }, material.rayleigh = { alpha, beta } or "
        "material.prony",
        {},
-       {"material.damping", "damping"}}};
+       {"material.damping", "damping"}},
+      {"give the model of a body in the plane as mesh.model = \"plane-strain\", \"plane-stress\" or "
+       "\"axisymmetric\"",
+       {"axisymmetric", "axisymmetry", "axisym"},
+       {"mesh.plane_stress", "material.plane_stress", "plane_stress", "mesh.plane_strain",
+        "material.plane_strain", "plane_strain"}},
+      {"forces of a body in the plane are per metre of thickness, so divide loads in N by the thickness. A "
+       "thin plate has mesh.model = \"plane-stress\"",
+       {"thickness"}}};
   return all;
 }
 

@@ -62,16 +62,20 @@ void require_rules(Reader& in, Time& time, const Scene&) {
   time.steps = whole_steps(in, time.end, time.step, "time.step");
 }
 
-void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
+void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene) {
   if (obstacle.point.size() == 3) {
     in.require("axis");
     if (obstacle.axis.size() != 3)
       in.fail("axis",
               fmt::format("found {} components, but point has 3; give 3 components", obstacle.axis.size()));
   } else if (in.has("axis")) {
-    in.fail("axis",
-            "has no effect in the plane, where a cylinder is a disc; use it with a point of 3 components");
+    in.fail(
+        "axis",
+        scene.mesh.axisymmetric()
+            ? "has no effect in axial symmetry, where a cylinder is around the axis y; remove it"
+            : "has no effect in the plane, where a cylinder is a disc; use it with a point of 3 components");
   }
+  require_model(in, obstacle, scene);
 }
 
 ContactScheme Scene::contact_scheme() const {
@@ -264,6 +268,13 @@ public:
                                   given ? name(*given) : "none",
                                   dim_ == 2 ? "none (the angle is in the plane)" : "an axis", dim_));
   }
+  void plane_model() const {
+    if (scene_.mesh.model && dim_ != 2)
+      throw UserError(
+          fmt::format("{}: found \"{}\" with a mesh in space; it applies to meshes in the plane, so "
+                      "remove it",
+                      where("mesh.model"), name(*scene_.mesh.model)));
+  }
   void obstacle(const Obstacle& shape, const std::string& key) const {
     std::visit(Overloads{[&](const HalfSpace& plane) {
                            vector(plane.point.size(), key + "point");
@@ -291,6 +302,7 @@ private:
 
 void require_dimension(const Scene& scene, int dim) {
   const Dimension require(scene, dim);
+  require.plane_model();
   for (std::size_t i = 0; i < scene.contacts.size(); ++i)
     require.obstacle(scene.contacts[i].obstacle, contact_key(scene.contacts, i) + ".obstacle.");
   for (std::size_t i = 0; i < scene.clamps.size(); ++i) {

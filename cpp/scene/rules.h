@@ -14,8 +14,11 @@ void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Branch& branch, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
 void require_rules(Reader& in, const Foundation& foundation, const Scene& scene);
+void require_rules(Reader& in, const HalfSpace& obstacle, const Scene& scene);
+void require_rules(Reader& in, const Ball& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
+void require_rules(Reader& in, const Load& load, const Scene& scene);
 void require_rules(Reader& in, Control& control, const Scene& scene);
 void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
@@ -29,6 +32,11 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
 /// Checks the rules between tables and sets defaults: start and tolerance of a search, the longest time step.
 void require_rules(Reader& in, Scene& read, const Scene& scene);
+/// Checks the rules of mesh.model for one table.
+void require_model(const Reader& in, const Cylinder& obstacle, const Scene& scene);
+void require_model(const Reader& in, const Material& material, const Scene& scene);
+void require_model(const Reader& in, const Unknown& unknown, const Scene& scene);
+void require_model(const Reader& in, const Measurement& measurement, const Scene& scene);
 /// Reads the key `name` of a table in an array of tables; `otherwise`: name if the key is absent. The name
 /// must differ from `others`, the names of the preceding tables, and have no commas or quotes. `table`: key
 /// of the array, for messages.

@@ -45,7 +45,13 @@ Keys<Mesh> keys_of(Of<Mesh>) {
       value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
             "length unit of the coordinates in the file, which are converted to metres; all other lengths of "
             "a scene, also `mesh.size`, are in metres"),
-      value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement")};
+      value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement"),
+      value("model", &Mesh::model, Choice<PlaneModel>{}, "",
+            "model of a body in the plane (see Bodies in the plane). `\"plane-strain\"`: a slice of a long "
+            "body, per metre of depth. `\"plane-stress\"`: a thin plate, per metre of thickness. "
+            "`\"axisymmetric\"`: the half section x >= 0 of a body of revolution, x is the radius and y the "
+            "axis",
+            {.otherwise = "`\"plane-strain\"` in the plane"})};
 }
 
 Keys<Time> keys_of(Of<Time>) {

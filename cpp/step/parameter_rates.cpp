@@ -171,7 +171,8 @@ petsc::Matrix ParameterRates::redistributed_mass_rate(const scene::Scene& scene,
   constexpr double thousandth = 1e-3;
   const scene::Scene now = scene::with_values(scene, values);
   const contact::Obstacle obstacle(now.contacts[scene::contact_of(scene, scene.unknowns[j])].obstacle,
-                                   "obstacle", stepper_.space().dim(), stepper_.pairs()->diameter());
+                                   "obstacle", stepper_.space().dim(), stepper_.pairs()->diameter(),
+                                   stepper_.space().mesh().axisymmetric());
   const double radius = obstacle.place(0).radius, h = thousandth * (std::isfinite(radius) ? radius : 1);
   const petsc::Matrix M = fem::assemble_mass(stepper_.space(), now.materials);
   petsc::Matrix rate;

@@ -59,6 +59,19 @@ std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<do
   return found.own;
 }
 
+/// Throws UserError, on every rank, if a force at a node on the axis of a body of revolution has a radial
+/// part.
+void require_along_axis(const fem::Space& space, std::optional<std::size_t> node,
+                        const scene::PointForce& force, const std::string& key) {
+  on_all_ranks(space.comm(), [&] {
+    if (node && space.on_axis(static_cast<int>(*node)) && !scene::vanishes({force.value.front()}))
+      throw UserError(
+          fmt::format("{}.value: found \"{}\" for x, the radius, at a node on the axis; expected 0, "
+                      "since forces there act along the axis y",
+                      key, force.value.front().text));
+  });
+}
+
 std::vector<double> coordinates(const fem::Space& space, std::size_t node) {
   const double* const x = &space.points()[3 * node];
   return {x, x + 3};
@@ -71,7 +84,9 @@ PointForce::PointForce(const fem::Space& space, const scene::PointForce& force, 
     : dim_(static_cast<std::size_t>(space.dim())), node_(node_at(space, force.at, key)),
       point_(node_ ? coordinates(space, *node_) : std::vector<double>()),
       profile_(space.comm(), scene::Field(force.value, key + ".value", true), point_, end),
-      value_(dim_ * (point_.size() / 3)) {}
+      value_(dim_ * (point_.size() / 3)) {
+  require_along_axis(space, node_, force, key);
+}
 
 void PointForce::add(const TimeStep& step, Vec sum) const {
   profile_.mean(step.begin, step.end, value_);

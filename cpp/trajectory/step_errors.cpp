@@ -385,7 +385,7 @@ std::optional<Warning> StepErrors::wave_peak_warning() const {
                peak.expected + (peak.mean.end > first_long_ ? after_long_steps : unlike) * tolerance_);
   if (!(peak.excess > most))
     return std::nullopt;
-  const char* const unit = stepper_.space().dim() == 2 ? "N/m" : "N";
+  const std::string unit = std::string("N") + stepper_.space().mesh().per_depth();
   return Warning{
       peak_of_the_mesh,
       fmt::format(

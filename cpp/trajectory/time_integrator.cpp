@@ -115,10 +115,11 @@ petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double
   check(VecNorm(held, NORM_INFINITY, &held_size));
   check(VecNorm(difference, NORM_INFINITY, &moved));
   if (moved > rounding * std::max({size, held_size, scale}))
-    throw UserError(
-        fmt::format("{}: found values that differ by {:.4g} from those that the clamps prescribe at t = 0; "
-                    "make them equal",
-                    key, moved));
+    throw UserError(fmt::format(
+        "{}: found values that differ by {:.4g} from those that the clamps prescribe at t = 0; "
+        "make them equal{}",
+        key, moved,
+        stepper.space().mesh().axisymmetric() ? ". On the axis x = 0 the radial value is 0" : ""));
   check(VecAXPY(x, 1, held));
   return whole;
 }

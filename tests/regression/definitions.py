@@ -148,6 +148,20 @@ def test_sum_of_step_times_force_is_the_impulse(hit: Path) -> None:
     assert 5e-3 * table(hit / "obstacles.csv")["force_y"].sum() == exactly(momentum(hit)[-1] - momentum(hit)[0])
 
 
+def test_forces_in_axial_symmetry_are_those_of_the_whole_body(run: Runner) -> None:
+    """A cylinder of 1 m and the radius 1 m swells until a tube stops it."""
+    tube = '{ shape = "cylinder", point = [0, 0], radius = 1.01, side = "inside" }'
+    out = run(f'[contact]\non = "right"\nobstacle = {tube}\n[initial]\nvelocity = ["x", "0"]\n', time__step=5e-3, mesh__model="axisymmetric")
+    steps, obstacles, contact, probes = (table(out / f"{name}.csv") for name in ("steps", "obstacles", "contact", "probes"))
+    assert steps["normal_force"].max() > 1, "the tube was not hit"
+    assert not steps["contact_force_x"].any() and not obstacles["force_x"].any() and manifest(out)["impact"]["all"]["impulse"][0] == 0
+    for k in set(contact["step"]):
+        now = contact["step"] == k
+        assert contact["force"][now].sum() == exactly(steps["normal_force"][steps["step"] == k][0])
+        assert contact["area"][now].sum() == exactly(2 * np.pi)
+    assert [name for name in probes if name.startswith("body.")] == ["body.center_y", "body.momentum_y"]
+
+
 def test_energy_law_of_a_step(hit: Path) -> None:
     steps = table(hit / "steps.csv")
     energy = steps["kinetic_energy"] + steps["elastic_energy"]

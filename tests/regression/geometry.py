@@ -9,11 +9,12 @@ import as_package  # noqa: F401
 import h5py
 import numpy as np
 import pytest
-from signorini.post import report_compare, report_motion, scenery, style, surfaces
+from signorini.post import animation, report_compare, report_motion, scenery, style, surfaces
 from signorini.post.boundary import arc_of
 from signorini.post.mesh import Mesh, Series
-from signorini.post.obstacles import Obstacle
+from signorini.post.obstacles import Obstacle, both_halves, normals
 from signorini.post.report_fields import nodal
+from signorini.post.view import View
 
 ROUNDING = 1e-12
 TIMES = np.linspace(0, 1, 5)
@@ -181,6 +182,41 @@ def test_hole_has_a_boundary_of_its_own() -> None:
     assert np.bincount(arc_of(mesh, ring, 5).part).tolist() == [20, 20]
 
 
+TOUCHING, HOLLOW = (Mesh(SQUARE.points + [at, 0], SQUARE.cells) for at in (0.0, 0.5))  # half sections that reach the axis or do not
+HALVES = pytest.mark.parametrize("half", (TOUCHING, HOLLOW), ids=("touching the axis", "hollow"))
+
+
+@HALVES
+def test_rim_revolved_is_the_surface(half: Mesh) -> None:
+    """It sweeps the body's surface from outside, and the volume that the cells sweep (Pappus)."""
+    (ra, za), (rb, zb) = np.moveaxis(half.points[half.rim()], (1, 2), (0, 1))
+    outer, inner = half.points[:, 0].max(), half.points[:, 0].min()
+    near("surface", np.sum(np.pi * (ra + rb) * np.hypot(rb - ra, zb - za)), 2 * np.pi * (outer + inner + outer**2 - inner**2))
+    near("volume", np.sum(np.pi / 3 * (ra**2 + ra * rb + rb**2) * (zb - za)), np.pi * (outer**2 - inner**2))
+
+
+@HALVES
+def test_mirrored_half_section(half: Mesh) -> None:
+    whole, source = half.mirrored()
+    near("area", np.sum(area(whole.points, whole.cells)), 2)
+    near("image of its node", whole.points, half.points[source] * np.where(np.arange(len(source)) < 25, 1, [[-1], [1]]).T)
+    assert len(whole.points) == (45 if half is TOUCHING else 50) and len(whole.loops()) == (1 if half is TOUCHING else 2)
+
+
+def half_circle(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a circle of radius 1 with x ≥ 0, from above to below, and segments with the disc to their right."""
+    angle = np.linspace(np.pi / 2, -np.pi / 2, count + 1)
+    return np.column_stack([np.cos(angle), np.sin(angle)]), np.column_stack([np.arange(count), np.arange(1, count + 1)])
+
+
+def test_half_disc_is_filled_to_the_axis() -> None:
+    points, segments = half_circle(200)
+    near("half", seen(obstacle(points, segments, whole=True, half=True), 0.1), POLYGON / 2)
+    near("both halves", seen(obstacle(points, segments, whole=True, half=True, mirrored=True), 0.1), POLYGON)
+    points, segments = both_halves(points, segments)
+    near("normals point outwards", np.sign((normals(points, segments) * points[segments].mean(axis=1)).sum(axis=1)), np.ones(400))
+
+
 RECTANGLE = Mesh(grid([3.0, 2], [4, 3]), triangles([4, 3]))
 BOX = Mesh(*box_of([2.0, 2, 4], [3, 3, 5]))
 MESHES = pytest.mark.parametrize("mesh", (RECTANGLE, BOX), ids=("plane", "space"))
@@ -333,6 +369,22 @@ def test_obstacle_with_another_surface_at_each_time() -> None:
     points, segments = changing.drawn(3.0, np.array([0, 10.0])).at(0.25)
     near("of its time alone", points, [[2, 10.75], [3, 10.75], [4, 10.75]])
     assert segments.tolist() == [[0, 1], [1, 2]] and changing.moves and not changing.rigid
+
+
+@pytest.mark.parametrize("enlarged", (1, 10, 5e7))
+@pytest.mark.parametrize("sides", ([1.0, 10], [10, 10], [10, 1]), ids=("narrow", "square", "flat"))
+def test_scale_of_a_film_is_beside_the_name_of_the_axis(sides: list[float], enlarged: float) -> None:
+    mesh = SimpleNamespace(size=np.max(sides))
+    motion = SimpleNamespace(mesh=mesh, position=np.array([[[0, 0], sides]]), box=np.array([[0, 0], sides]), obstacles=[], forces=None,
+                             enlarged=enlarged, view=View(np.eye(2), ("radius", "height")))  # fmt: skip
+    axes = animation.scenery(motion)
+    name, scale = axes.xaxis.label.get_window_extent(), axes.texts[0].get_window_extent()
+    assert name.x1 + 10 < scale.x0 and scale.x1 < axes.figure.bbox.x1 and scale.y0 > 0
+
+
+def test_long_numbers_have_room() -> None:
+    axes = style.plan(np.array([0.0, -17.5]), np.array([17.5, 0.0]), ("x", "y"))
+    assert np.max([len(label.get_text()) for label in axes.get_yticklabels()]) > 4 and axes.yaxis.get_tightbbox().x0 > 0
 
 
 FORCE = np.array([[0.0, 1, 0], [0, 0, 0], [0, 1, 2]])

@@ -51,7 +51,7 @@ def places(node: object, path: tuple = ()) -> Iterator[tuple]:
     """The paths of all tables and values, the scene's own apart."""
     for key, value in node.items() if isinstance(node, dict) else enumerate(node):
         yield (*path, key)
-        if isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict)):
+        if isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
             yield from places(value, (*path, key))
 
 

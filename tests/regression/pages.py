@@ -16,7 +16,7 @@ from harness import signorini, stored, table
 from selenium.webdriver import Chrome, Keys
 from selenium.webdriver.support.select import Select
 from signorini.post.run_folder import RunFolder
-from soft_scenes import ON_A_BALL, soft
+from soft_scenes import ON_A_BALL, REVOLVED, soft
 
 GRIPPER = soft("square.geo", 0.125, 0.3, 0.01) + """
 [[contact]]
@@ -155,7 +155,12 @@ def space(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page_of(simulate(tmp_path_factory.mktemp("runs"), "space", ON_A_BALL))
 
 
-@pytest.mark.parametrize("page", ("known", "comparison", "space"))
+@pytest.fixture(scope="module")
+def revolved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return page_of(simulate(tmp_path_factory.mktemp("runs"), "revolved", REVOLVED))
+
+
+@pytest.mark.parametrize("page", ("known", "comparison", "space", "revolved"))
 def test_fits_a_phone(page: str, driver: Chrome, request: pytest.FixtureRequest) -> None:
     with opened(driver, request.getfixturevalue(page), 390, 844) as reader:
         reader.fits()
@@ -254,6 +259,32 @@ def test_space(driver: Chrome, space: Path) -> None:
         # The section's points lie in one plane.
         nodes, y = reader.ask(f"Array.from({BODY}[0].k).slice(-20)"), axes_of(reader, f"{BODY}[0]")[1]
         assert np.ptp(y[nodes]) < 0.2 * np.ptp(y)
+
+
+@pytest.mark.parametrize("number, mode", enumerate(("full section", "revolved", "revolved, cut open"), 1))
+def test_body_of_revolution(number: int, mode: str, driver: Chrome, revolved: Path) -> None:
+    """In place of its half section the page shows copies of it, turned about the axis, of body, floor and nodes in contact."""
+    with opened(driver, revolved) as reader:
+        floor, touching = (f"{BODY}[{names_of(reader).index(name)}]" for name in ("obstacle 1", "in contact"))
+        half, marks, triangles = axes_of(reader, f"{BODY}[0]"), axes_of(reader, touching), f"{BODY}[0].i.length"
+        faces = reader.ask(triangles)
+        assert half[0].min() == 0 and not half[2].any() and marks.size > 0
+        reader.changed(triangles, lambda: reader.select("#mode", number))
+        assert Select(reader.find("#mode")).first_selected_option.text == mode
+        (x, y, z), plane = axes_of(reader, f"{BODY}[0]"), mode == "full section"
+        place = np.stack([abs(x), y] if plane else [np.hypot(x, y), z])
+        assert np.abs(place[:, :, None] - half[:2, None, :]).max(axis=0).min(axis=1).max() < 1e-5 * half[0].max(), "a point that is no copy"
+        assert np.ptp(x) == pytest.approx(2 * half[0].max(), rel=0.01, abs=0)
+        assert (reader.ask(triangles) == 2 * faces) == plane == (not z.any())
+        assert axes_of(reader, touching).shape[1] > marks.shape[1]
+        ground = axes_of(reader, floor)
+        assert ground[0].min() == pytest.approx(-ground[0].max(), rel=1e-6, abs=0)
+        assert ground[1 if plane else 2].max() == pytest.approx(-15.2, rel=1e-6, abs=0)
+        heights = f"Array.from({BODY}[0].{'y' if plane else 'z'})"
+        reader.changed(heights, lambda: reader.find("#frame").send_keys(Keys.HOME))
+        reader.changed(f"{BODY}[0].colorbar.title.text", lambda: reader.select("#field", 2))
+        reader.select("#mode", 0)
+        reader.wait(f"{triangles} === {faces}")
 
 
 def test_comparison(driver: Chrome, comparison: Path, gripper: Path, stiffer: Path) -> None:

@@ -4,6 +4,8 @@
 import base64
 import json
 import math
+import re
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -13,9 +15,9 @@ import as_package  # noqa: F401
 import numpy as np
 import pytest
 from harness import SIGNORINI, SOURCE, signorini, stored, table
-from signorini.post import report_compare
+from signorini.post import animation, report_compare, report_run
 from signorini.post.boundary import arc_of
-from signorini.post.files import Table
+from signorini.post.files import Table, Unreadable
 from signorini.post.mesh import Mesh
 from signorini.post.obstacles import normals
 from signorini.post.report_contact import along_surface, around_contact, contact_surface, touched
@@ -25,7 +27,7 @@ from signorini.post.energy_terms import potential_of_loads
 from signorini.post.run_folder import RunFolder, first_largest
 from signorini.post.scenery import drawn_obstacles
 from signorini.post.surfaces import between
-from soft_scenes import soft
+from soft_scenes import REVOLVED, soft
 
 SQUARE = soft("square.geo", 0.2, 0.2, 0.02)
 SHAPES = """
@@ -237,6 +239,102 @@ def test_control_of_one_pushes_with_its_scale(on: dict, space: dict, tmp_path: P
     run = run_of(tmp_path, "control", text, "optimize", optimizer__max_iterations=0, **on, **space)
     force = resultant_of(run, run.field("control.xdmf", "control"))
     assert force == pytest.approx(np.tile([0.0, -6.0], (10, 1)), rel=0, abs=1e-12)
+
+
+# --- Models of bodies in the plane ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def revolved(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    run = run_of(tmp_path_factory.mktemp("revolved"), "revolved", REVOLVED)
+    assert run.contact.force.any(), "the body never touches"
+    return run
+
+
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    text = SQUARE.split("viscosity")[0] + FLOOR.format([0, -0.01], [0, 1]) + '[initial]\nvelocity = ["0", "-1"]\n'
+    return run_of(tmp_path_factory.mktemp("plate"), "plate", text, mesh__model="plane-stress")
+
+
+def units_of(run: RunFolder) -> set[str]:
+    """Units of forces, energies, impulses and masses on a page."""
+    page = report_run.page(run)
+    texts = [str(table.head) + str(table.rows) for section in page.sections for table in section.tables]
+    for chart in (chart for section in page.sections for chart in section.charts):
+        texts += [str(view["layout"]) for view in chart.views.values()]
+    return set(re.findall(r"[ ('][mkMGµn]?((?:N s|N|J|g)(?:/m)?)[') ]", "\n".join(texts)))
+
+
+def test_units_of_models(revolved: RunFolder, plate: RunFolder, shapes: dict[str, RunFolder], tmp_path: Path) -> None:
+    """Per metre of depth but for whole bodies; a run of an earlier version, which names no model, is in plane strain."""
+    old = RunFolder(Path(shutil.copytree(shapes["plane"].path, tmp_path / "old")))
+    manifest = json.loads((old.path / "run.json").read_text())
+    del manifest["body"]
+    (old.path / "run.json").write_text(json.dumps(manifest) + "\n")
+    runs = {"axisymmetric": revolved, "plane-stress": plate, "plane-strain": shapes["plane"], "space": shapes["space"]}
+    assert [run.model for run in runs.values()] == list(runs) and old.model == "plane-strain"
+    for run in (revolved, plate, shapes["plane"], old):
+        assert units_of(run) == {unit + "/m" * (run is not revolved) for unit in ("N", "N s", "J", "g")}, run.model
+        assert report_run.objective_unit(run) == ("m⁵ s" if run is revolved else "m⁴ s")
+
+
+@pytest.mark.parametrize("on", ({}, {"control__on": "top"}), ids=("body", "top"))
+@pytest.mark.parametrize("space", ({}, {"control__space": "cellwise"}), ids=("nodal", "cellwise"))
+def test_control_of_a_body_of_revolution(on: dict, space: dict, tmp_path: Path) -> None:
+    """The force is the scale times the integral over all around the axis; its radial part has no resultant."""
+    text = REVOLVED.split("[output]")[0] + '[control]\nscale = 3.0\ninitial = ["1", "-2*x"]\n'
+    text += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
+    run = run_of(tmp_path, "control", text, "optimize", optimizer__max_iterations=0, **on, **space)
+    control = run.field("control.xdmf", "control")
+    points, cells = control.mesh.points, control.mesh.cells
+    value = control.at(0)[:, 1] if space else control.at(0)[cells, 1]  # of each cell or of its corners
+    assert np.ptp(value) > 10 and (control.at(0)[:, 0] > 0).any()
+    if on:
+        edges, owner = control.mesh.facets()
+        a, b = np.sort(points[edges, 0], axis=1).T
+        rings = np.pi * (b**2 - a**2) * (points[edges, 1] > -1e-9).all(axis=1)
+        expected = 3 * rings @ value[owner] if space else -12 * np.pi / 3 * 15**3
+    else:  # products of linear functions are integrated exactly by the middles of the edges
+        corners = points[cells]
+        sizes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 2
+        middle = (corners + np.roll(corners, 1, axis=1))[..., 0] / 2
+        there = value[:, None] if space else (value + np.roll(value, 1, axis=1)) / 2
+        expected = 6 * np.pi * sizes @ (middle * there).mean(axis=1)
+    assert resultant_of(run, control) == pytest.approx(np.tile([0.0, expected], (40, 1)), rel=1e-11, abs=0)
+    drawn_without_warnings(sys.executable, SOURCE / "postprocess" / "figures.py", run.path)
+
+
+def test_film_of_a_body_of_revolution(revolved: RunFolder) -> None:
+    """It shows the full section, with pressures."""
+    motion, half = animation.read_motion(revolved), revolved.field("state.xdmf", "displacement").mesh
+    x, y = np.moveaxis(motion.position, 2, 0)
+    order, image = np.lexsort((y[0], x[0])), np.lexsort((y[0], -x[0]))
+    assert np.array_equal(x[:, order], -x[:, image]) and len(half.points) < len(motion.mesh.points) < 2 * len(half.points)
+    assert motion.forces.unit == "Pa" and motion.forces.sizes.max() <= revolved.contact.pressure.max()
+    assert motion.forces.directions.sum(axis=0)[0] == 0 and all(obstacle.at(0.0)[0].min() < 0 for obstacle in motion.obstacles)
+    low, high = animation.view(motion)
+    assert low[0] == -high[0]
+    for verb in ("report", "figures"):
+        drawn_without_warnings(SIGNORINI, verb, revolved.path)
+
+
+def test_surface_begins_at_the_axis(revolved: RunFolder) -> None:
+    contact = revolved.contact.by_node()
+    place = along_surface(revolved, contact)
+    assert place.edges[0] == 0 and list(place.rows) == list(np.argsort(np.argsort(contact.points[:, 0])))
+
+
+def test_body_of_revolution_beside_another(revolved: RunFolder, shapes: dict[str, RunFolder]) -> None:
+    """Two of them are compared, one and a plane body are not."""
+    page = report_compare.page((revolved, revolved))
+    assert any("revolved" in motion for section in page.sections for motion in section.motions)
+    for other in shapes.values():
+        with pytest.raises(Unreadable, match="found a body of revolution; expected one as in"):
+            report_compare.page((other, revolved))
+
+
+# --- Further runs -----------------------------------------------------------------------------------------------------
 
 
 @BOTH

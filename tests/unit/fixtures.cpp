@@ -7,8 +7,8 @@ namespace signorini::test {
 namespace {
 
 using Group = std::optional<std::string>;
-using Key =
-    std::tuple<std::filesystem::path, std::optional<double>, double, scene::LengthUnit, int, Group, Group>;
+using Key = std::tuple<std::filesystem::path, std::optional<double>, double, scene::LengthUnit, int,
+                       std::optional<scene::PlaneModel>, Group, Group>;
 
 std::map<Key, std::shared_ptr<const problem::SpaceDiscretisation>> discretisations;
 
@@ -23,7 +23,7 @@ std::shared_ptr<const problem::SpaceDiscretisation> discretised(const scene::Sce
   if (!mesh.file.string().starts_with(
           source("").string())) // another test may write another file of that name
     return make();
-  auto& shared = discretisations[{mesh.file, mesh.size, mesh.scale, mesh.unit, mesh.degree,
+  auto& shared = discretisations[{mesh.file, mesh.size, mesh.scale, mesh.unit, mesh.degree, mesh.model,
                                   scene.control ? scene.control->on : Group(),
                                   scene.objective ? scene.objective->on : Group()}];
   if (!shared)

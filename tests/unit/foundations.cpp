@@ -1,69 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/foundations.h"
-#include "fixtures.h"
+#include "body.h"
 #include "scene/parameters.h"
-#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
 using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
-using petsc::check;
+using test::Body, test::energy;
 
 namespace {
-
-/// A body with foundations, in a scene of tests/data.
-struct Body {
-  scene::Scene scene;
-  std::shared_ptr<const problem::SpaceDiscretisation> shared;
-  fem::Space space;
-  fem::Operators operators;
-  Body(const char* file, int degree, const std::vector<std::string>& overrides)
-      : scene(test::parse(test::source(file), overrides)), shared(test::discretised(scene)),
-        space(shared->mesh, degree),
-        operators(fem::assemble_operators(space, scene.materials, true, scene.foundations)) {}
-
-  [[nodiscard]] petsc::Vector field(const scene::Components& components) const {
-    petsc::Vector x = space.vector();
-    space.interpolate(scene::Field(components, "test", false), 0, x);
-    return x;
-  }
-};
-
-double energy(Mat matrix, Vec x) {
-  const petsc::Vector product = petsc::zero_like(x);
-  check(MatMult(matrix, x, product));
-  return petsc::dot(x, product);
-}
 
 const char* const all_round = "foundation=[{on=\"boundary\", stiffness={normal=3, tangential=5}, "
                               "damping={normal=7, tangential=11}}]";
 const char* const rayleigh = "material.rayleigh={alpha=0.7, beta=0.02}";
-
-/// Largest residuals of the energy law and the momentum law, and the number of steps with contact.
-struct Laws {
-  double energy = 0, momentum = 0, foundation = 0, dashpots = 0, drag = 0;
-  int touched = 0;
-};
-
-Laws laws(const test::Recorded& motion) {
-  Laws worst;
-  double most = 0;
-  for (const diagnostics::StepBalance& step : motion.balance)
-    most = std::max(most, step.energy());
-  for (std::size_t k = 1; k < motion.balance.size(); ++k) {
-    const diagnostics::StepBalance& step = motion.balance[k];
-    worst.energy = std::max(worst.energy, std::abs(step.energy_residual) / most);
-    worst.momentum =
-        std::max(worst.momentum, diagnostics::length(step.momentum_residual) / step.momentum_scale);
-    worst.foundation = std::max(worst.foundation, step.foundation_energy / most);
-    worst.dashpots += step.foundation_dissipation / most;
-    worst.drag += step.drag_dissipation / most;
-    worst.touched += motion.contact[k].count(contact::Status::strong) > 0;
-  }
-  return worst;
-}
 
 } // namespace
 
@@ -184,7 +135,7 @@ TEST_CASE("energy and momentum laws hold with foundations, dashpots and mass dam
   CAPTURE(scheme, degree);
   const test::Ready ready("tests/data/block.toml",
                           {scheme, degree, all_round, rayleigh, "initial.velocity=[\"0\", -4]"});
-  const Laws found = laws(test::Recorded(ready.problem, ready.problem.load()));
+  const test::Laws found(test::Recorded(ready.problem, ready.problem.load()));
   CHECK(found.touched > 0);
   CHECK(found.energy < 1e-12);
   CHECK(found.momentum < 1e-12);

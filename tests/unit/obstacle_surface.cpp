@@ -17,7 +17,7 @@ using Catch::Approx;
 namespace {
 
 contact::Obstacle made(const scene::Obstacle& shape, int dim) {
-  return {shape, "contact.obstacle", dim, 2.0};
+  return {shape, "contact.obstacle", dim, 2.0, false};
 }
 
 Point at(const contact::ObstacleSurface& surface, int dim, std::int64_t point) {

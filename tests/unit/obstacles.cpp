@@ -19,7 +19,7 @@ using Point = std::array<double, 3>;
 constexpr double diameter = 2.0; // of a body, m
 
 contact::Obstacle made(const scene::Obstacle& shape, int dim = 3) {
-  return {shape, "contact.obstacle", dim, diameter};
+  return {shape, "contact.obstacle", dim, diameter, false};
 }
 
 /// Points that lie all around the origin, half a metre to one and a half away.

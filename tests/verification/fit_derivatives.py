@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from fit_runs import EVERY, PLANE, SCHEMES, half_space, measure, thrown
-from harness import attempt
+from harness import SOURCE, attempt
 
 IN_SPACE = [{"of": "initial.velocity", "start": 0.98}, {"of": "position", "start": 0.05},
             {"of": "angle", "component": "x", "start": 0.01}, {"of": "angle", "component": "y", "start": -0.01}]  # fmt: skip
@@ -76,7 +76,29 @@ CASES |= {"relaxing": (2, half_space(2), RELAXED), "relaxing in space": (3, half
           "relaxing, long-term moduli": (2, half_space(2), RELAXED)}  # fmt: skip
 ADDED = {name: SURROUNDINGS if wanted is SURROUNDED else RELAXATION for name, (_, _, wanted) in CASES.items()
          if wanted is SURROUNDED or wanted is RELAXED}  # fmt: skip
-MODULI = {"relaxing, long-term moduli": {"material__moduli": "long-term"}}
+ON_SPRINGS = """
+[[foundation]]
+on = "side"
+stiffness = { normal = 1e6, tangential = 1e6 }
+damping = { normal = 1e4, tangential = 1e4 }
+"""
+SPRINGS = [{"of": "stiffness.normal", "on": "side", "start": 1.1e6}, {"of": "damping.tangential", "on": "side", "start": 1.5e4}]
+# In plane stress g = k in each branch, and the viscosities have the ratio of the moduli, K/G = 13/6 at a Poisson's ratio of 0.3.
+AS_MODULI = RELAXATION.replace("k = 0.2", "k = 0.3").replace("k = 0.1", "k = 0.2") + ON_SPRINGS
+IN_PLATE = [one for one in RELAXED if one["of"] in ("initial.velocity", "young", "density", "rayleigh.beta", "prony.time")]
+CASES |= {
+    "revolved": (2, half_space(2), [*RELAXED, *SPRINGS, {"of": "position", "start": 0.05}, {"of": "load.gravity", "start": 0.95}]),
+    "revolved, on a ball": (2, '{ shape = "ball", center = [0, -40.2], radius = 25.0 }', [EVERY[0], *ROUND[1:]]),
+    "revolved, in a ball": (2, '{ shape = "ball", center = [0, 9.8], radius = 25.0, side = "inside" }', [EVERY[1], *INSIDE[1:]]),
+    "plate": (2, half_space(2), [*IN_PLATE, *SPRINGS, PLANE[2]]),
+    "elastic plate": (2, half_space(2), [EVERY[0], EVERY[1], SURROUNDED[4]]),
+}
+ADDED |= {"revolved": RELAXATION + ON_SPRINGS, "plate": AS_MODULI,
+          "elastic plate": SURROUNDINGS.replace("alpha = 100.0\n", "")}  # fmt: skip
+SECTION = {"mesh__model": "axisymmetric", "mesh__file": str(SOURCE / "meshes" / "half-ball-section.geo"), "measurement__1__component": "y"}
+KEYS = {"relaxing, long-term moduli": {"material__moduli": "long-term"},
+        "plate": {"mesh__model": "plane-stress", "material__viscosity__bulk": 13e4 / 6, "material__viscosity__shear": 1e4},
+        "elastic plate": {"mesh__model": "plane-stress"}} | {name: SECTION for name in CASES if name.startswith("revolved")}  # fmt: skip
 SETTINGS = {
     "as it is": ({}, 1),
     "degree 2": ({"mesh__degree": 2}, 1),
@@ -91,7 +113,7 @@ COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as m
 def settings(name: str, scheme: str) -> list[str]:
     """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
     once = "contact-stabilized" if name in ("ball", "space", "relaxing in space") else None
-    if name not in ("plane", "surroundings", "relaxing") and scheme != once:
+    if name not in ("plane", "surroundings", "relaxing", "revolved", "plate") and scheme != once:
         return ["as it is"]
     return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
 
@@ -103,8 +125,11 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], P
     @functools.cache
     def file(name: str, scheme: str) -> Path:
         folder = tmp_path_factory.mktemp("case")
-        (folder / "scene.toml").write_text(thrown(*CASES[name], folder) + ADDED.get(name, ""))
-        measure(folder / "scene.toml", folder / "made", SCHEMES[scheme] | MODULI.get(name, {}))
+        text = thrown(*CASES[name], folder) + ADDED.get(name, "")
+        if name.startswith("elastic"):
+            text = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("viscosity"))
+        (folder / "scene.toml").write_text(text)
+        measure(folder / "scene.toml", folder / "made", SCHEMES[scheme] | KEYS.get(name, {}))
         return folder / "scene.toml"
 
     return file
@@ -117,7 +142,7 @@ RUNS = [(name, scheme, setting) for name in CASES for scheme in SCHEMES for sett
 def test_check(measured: Callable, name: str, scheme: str, setting: str) -> None:
     """Taylor orders by each unknown, adjoint sweep against linearised motions, contact not vacuous."""
     (dim, _, wanted), (more, ranks) = CASES[name], SETTINGS[setting]
-    more = more | MODULI.get(name, {}) | (COARSE if dim == 3 and "mesh__degree" in more else {})
+    more = more | KEYS.get(name, {}) | (COARSE if dim == 3 and "mesh__degree" in more else {})
     done = attempt("check", measured(name, scheme), None, ranks, **SCHEMES[scheme], **more)
     assert done.returncode == 0, done.stdout + done.stderr
     rows = re.findall(r"^(ok|FAIL)\s+(\S.*?)\s{2,}(\S.*?)\s{2,}", done.stdout, re.MULTILINE)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact pressure in contact.csv and as a field: of uniform patches to rounding, and Hertz's.
 
-All bodies are at rest after one step: with a viscosity of T = 1000 s times the elastic moduli and steps of 2T the step
-solves the static problem, but for a share ρ L²/(E τ²) < 1e-8 of the inertia.
+All bodies are at rest after one step (at_rest.py).
 """
 
 import xml.etree.ElementTree as xml
@@ -10,31 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from harness import SOURCE, boundary, signorini, stored, table
+from at_rest import LAMBDA, MODULUS, MU, PRESS, RADIUS, RUNS, SCENE, SCHEMES, box, hat_means
+from harness import boundary, signorini, stored, table
 
-E, NU, DENSITY, LAG = 200.0, 0.3, 1e-2, 1e3
-LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
-SCHEMES = {"contact-implicit": ("contact-implicit", "consistent"), "contact-stabilized": ("contact-stabilized", "consistent"),
-           "massless": ("contact-implicit", "massless")}  # fmt: skip
-
-SCENE = f"""
-[mesh]
-file = "{{mesh}}"
-{{size}}
-degree = {{degree}}
-[time]
-end = {6 * LAG}
-step = {2 * LAG}
-scheme = "{{scheme}}"
-[material]
-density = {DENSITY}
-young = {E}
-poisson = {NU}
-viscosity = {{{{ bulk = {LAG * (LAMBDA + 2 * MU / 3)}, shear = {LAG * MU} }}}}
-{{tables}}
-[output]
-fields = ["strain", "stress", "von_mises", "pressure"]
-"""
 QUOTE = '"'
 
 
@@ -44,26 +21,7 @@ def quoted(expressions: list[str]) -> str:
 
 # --- A patch --------------------------------------------------------------------------------------------------------------
 
-RUNS = [*((scheme, 1) for scheme in SCHEMES), ("contact-implicit", 2)]  # on so many ranks
 SQUEEZE = (0.01, 0.02, 0.015)  # strains along the axes
-GROUPS = {2: ("Curve", "Surface"), 3: ("Surface", "Volume")}
-
-
-def box(dim: int, folder: Path) -> Path:
-    """Unit square or cube, an unstructured mesh; groups x0, x1, y0, … of its sides."""
-    side, body = GROUPS[dim]
-    text = 'SetFactory("OpenCASCADE");\n' + ("Rectangle(1) = {0, 0, 0, 1, 1};\n" if dim == 2 else "Box(1) = {0, 0, 0, 1, 1, 1};\n")
-    text += f'e = 1e-6;\nPhysical {body}("body") = {{1}};\n'
-    for axis, name in enumerate("xyz"[:dim]):
-        for at in (0, 1):
-            low = ", ".join(f"{at} - e" if c == axis else "-e" for c in range(3))
-            high = ", ".join(f"{at} + e" if c == axis else "1 + e" for c in range(3))
-            text += f'Physical {side}("{name}{at}") = {side} In BoundingBox {{{low}, {high}}};\n'
-    file = folder / f"box-{dim}.geo"
-    file.write_text(text)
-    return file
-
-
 def patch_tables(dim: int, mass: str) -> str:
     """Half of the sides are moved inwards, the others rest on obstacles: uniform strain, from the start on."""
     axes = "xyz"[:dim]
@@ -120,7 +78,6 @@ def test_patch(dim: int, degree: int, scheme: str, ranks: int, tmp_path: Path) -
 
 # --- Hertz ----------------------------------------------------------------------------------------------------------------
 
-RADIUS, MODULUS = 8.0, E / (1 - NU**2)
 BALL = """
 // An octant of a ball, its lowest point at the origin: the boundary within 15 degrees of that is the group contact.
 radius = 8; fine = {fine}; reach = {reach}; angle = Pi / 12;
@@ -148,7 +105,6 @@ Mesh.MeshSizeFromPoints = 0;
 Physical Volume("body") = {{1}};
 Physical Surface("y0") = {{1}}; Physical Surface("x0") = {{2}}; Physical Surface("top") = {{3}}; Physical Surface("contact") = {{4}};
 """
-PLANE = SOURCE / "meshes" / "press.geo"
 
 
 def hertz_scene(dim: int, degree: int, fine: float, folder: Path) -> Path:
@@ -156,7 +112,7 @@ def hertz_scene(dim: int, degree: int, fine: float, folder: Path) -> Path:
     mesh, scene = folder / "hertz.geo", folder / "hertz.toml"
     floor = f'[contact]\non = "contact"\nobstacle = {{ shape = "half-space", point = {[0] * dim}, normal = {[0] * (dim - 1) + [1]} }}\n'
     if dim == 2:
-        text = PLANE.read_text().replace("fine = 0.068;", f"fine = {fine};")
+        text = PRESS.read_text().replace("fine = 0.068;", f"fine = {fine};")
         clamps = '[[clamp]]\non = "top"\nvalue = ["0", "-0.1"]\n'
     else:
         text = BALL.format(fine=fine, reach=0.5)
@@ -175,28 +131,6 @@ def hertz(dim: int, load: float) -> tuple[float, float]:
         return width, 2 * load / (np.pi * width)
     radius = np.cbrt(3 * load * RADIUS / (4 * MODULUS))
     return radius, 3 * load / (2 * np.pi * radius**2)
-
-
-def hat_means(nodes: np.ndarray, facets: np.ndarray, exact) -> np.ndarray:
-    """Mean of a pressure at each node, weighted with the node's hat function, by midpoints of the facets' parts."""
-    corners = facets.shape[1]
-    n = 24
-    if corners == 2:
-        s = (np.arange(n) + 0.5) / n
-        weights = np.column_stack([1 - s, s])
-    else:  # midpoints of n² triangles
-        up = [(3 * i + 1, 3 * j + 1) for i in range(n) for j in range(n - i)]
-        down = [(3 * i + 2, 3 * j + 2) for i in range(n - 1) for j in range(n - 1 - i)]
-        st = np.array(up + down) / (3 * n)
-        weights = np.column_stack([1 - st.sum(axis=1), st])
-    sums = np.zeros((2, len(nodes)))
-    for facet in facets:
-        values = exact(weights @ nodes[facet])
-        edges = nodes[facet[1:]] - nodes[facet[0]]
-        size = np.linalg.norm(np.cross(*edges)) / 2 if corners == 3 else np.linalg.norm(edges[0])
-        sums[0, facet] += size * (weights * values[:, None]).mean(axis=0)
-        sums[1, facet] += size * weights.mean(axis=0)
-    return sums[0] / np.where(sums[1] > 0, sums[1], 1)
 
 
 @pytest.mark.parametrize("dim, degree, fine, scatter", ((2, 1, 0.068, 0.01), (2, 2, 0.068, 0.01), (3, 1, 0.04, 0.04), (3, 2, 0.06, 0.01)))

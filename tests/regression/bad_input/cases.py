@@ -6,6 +6,7 @@ from field_cases import effect_cases, expression_cases, material_cases, time_ser
 from fit_cases import fit_cases
 from folder_cases import desired_run_cases, first_guess_cases, folder_cases
 from mesh_cases import mesh_content_cases, mesh_file_cases, space_cases
+from model_cases import model_cases
 from obstacle_cases import obstacle_cases
 from option_cases import method_cases, option_cases
 from relaxation_cases import relaxation_cases
@@ -36,6 +37,7 @@ def all_cases() -> list[Case]:
         *mesh_file_cases(),
         *mesh_content_cases(),
         *space_cases(),
+        *model_cases(),
         *desired_run_cases(),
         *first_guess_cases(),
         *folder_cases(),

@@ -19,6 +19,8 @@ def surroundings_cases() -> list[Case]:
     side, rayleigh = 'on = "side"\n', "poisson = 0.3\nrayleigh = "
     return [
         foundation("foundation of nothing", side, "foundation[0]: found none of stiffness, damping, absorbing", at="[[foundation]]"),
+        foundation("springs of nothing", side + "stiffness = {}", "foundation[0].stiffness: found no number above 0", at="stiffness ="),
+        foundation("dashpots of nothing", side + "damping = { normal = 0 }", "foundation[0].damping: found no number above 0", at="damping ="),
         foundation("foundation without a group", SPRINGS, "foundation[0].on: missing", at="[[foundation]]"),
         foundation("foundation on a missing group", f'on = "nowhere"\n{SPRINGS}', "foundation[0].on: ", 'no curve group "nowhere"', at=""),
         foundation("foundation on the body", f'on = "body"\n{SPRINGS}', "foundation[0].on: ", '"body"', at=""),

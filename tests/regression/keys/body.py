@@ -58,6 +58,50 @@ def test_mesh_degree(plain: Run, simulate: Runner) -> None:
     assert two["cells"] == cells and two["unknowns"] == 2 * (vertices + edges)
 
 
+YOUNG, POISSON, SHEAR = 50.0, 0.3, 0.05  # of the block: moduli, and viscosity
+MU, LAMBDA = YOUNG / (2 * (1 + POISSON)), YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+RATIO = (LAMBDA + 2 * MU / 3) / MU  # K/G, which the viscosities must have in plane stress
+PLANE_WAVE = LAMBDA + 2 * MU
+PLATE = YOUNG / (1 - POISSON**2)
+MODELS = ("plane-strain", "plane-stress", "axisymmetric")
+
+
+def free(model: str, **more: object) -> dict[str, object]:
+    """The block far from a flat floor, by a model of the plane."""
+    return {"mesh__model": model, "material__viscosity": {"bulk": RATIO * SHEAR, "shear": SHEAR}} | FLAT | FREE | more
+
+
+@pytest.mark.key("mesh.model")
+@pytest.mark.parametrize("model, size", zip(MODELS, (1, 1, np.pi)))
+def test_mass_of_a_model(model: str, size: float, simulate: Runner) -> None:
+    """The square is a slice or a plate 1 m thick, or a cylinder of the radius 1 m."""
+    done = simulate(**free(model, initial__velocity=["0", "-1"]))
+    near(done.steps["kinetic_energy"][0], size / 2)
+    near(done.manifest["body"]["mass"], size)
+    assert done.manifest["body"]["model"] == model
+    assert (" kg/m;" in done.stdout) == (model != "axisymmetric") and " kg" in done.stdout
+
+
+@pytest.mark.key("mesh.model")
+@pytest.mark.parametrize("model, displacement, energy", (
+    pytest.param("plane-strain", ["0", "0.1*y"], PLANE_WAVE / 2, id="plane strain"),
+    pytest.param("plane-stress", ["0", "0.1*y"], PLATE / 2, id="plane stress"),
+    pytest.param("plane-stress", ["-0.03*x", "0.1*y"], YOUNG / 2, id="plane stress, pulled along y only"),
+    pytest.param("axisymmetric", ["0", "0.1*y"], np.pi * PLANE_WAVE / 2, id="axial symmetry, along the axis"),
+    pytest.param("axisymmetric", ["0.1*x", "0"], np.pi * (2 * LAMBDA + 2 * MU), id="axial symmetry, across the axis"),
+))  # fmt: skip
+def test_strains_of_a_model(model: str, displacement: list[str], energy: float, simulate: Runner) -> None:
+    done = simulate(**free(model, initial__displacement=displacement))
+    near(done.steps["elastic_energy"][0], energy * 0.1**2)
+    near(done.manifest["body"]["pressure_waves"], np.full(2, np.sqrt(PLATE if model == "plane-stress" else PLANE_WAVE)))
+
+
+@pytest.mark.key("mesh.model")
+def test_plane_strain_is_the_default(plain: Run, simulate: Runner) -> None:
+    same(plain, simulate(mesh__model="plane-strain"))
+    assert plain.manifest["body"]["model"] == "plane-strain"
+
+
 @pytest.mark.key("time.end")
 def test_time_end(plain: Run, simulate: Runner) -> None:
     half = simulate(time__end=0.3)

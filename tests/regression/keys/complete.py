@@ -17,7 +17,7 @@ EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force"
 # Scenes in which every table and every optional key occurs.
 FULL = (
     (BLOCK, {
-        "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
+        "mesh__model": "plane-strain", "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
         "load__traction": [{"on": "top", "value": ["0", "0"]}], "load__gravity": [0, 0],
         "load__point": [{"at": [1, 1], "value": [0, 0]}], "material__rayleigh": {"alpha": 0.1, "beta": 1e-3},
         "material__prony": [{"g": 0.3, "k": 0.1, "time": 0.1}],
