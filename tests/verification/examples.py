@@ -89,6 +89,24 @@ def test_bar_on_springs(out: Path) -> None:
     assert not warnings(out)
 
 
+def test_buffer(out: Path, tmp_path: Path) -> None:
+    """The relaxation time found throws the disc back less than times half or twice as long do, and much less than the first."""
+
+    def restitution(time: float) -> float:
+        signorini("simulate", SCENES / "buffer.toml", tmp_path / "drop", material__0__prony=[{"g": 0.6, "time": time}])
+        return manifest(tmp_path / "drop")["impact"]["restitution"]
+
+    signorini("optimize", SCENES / "buffer.toml", out)
+    best = float(np.atleast_1d(table(out / "parameters.csv")["value"])[0])
+    least, first = restitution(best), restitution(5e-5)
+    # The loss tangent of the branch is largest at ω τ = √(1 − g), ω that of half a swing in the time of contact.
+    swing = np.pi / manifest(tmp_path / "drop")["impact"]["all"]["contact_time"]
+    print(f"relaxation time {best:.4g} s, restitution {least:.4f} (first {first:.4f}), ω τ/√(1 − g) {best * swing / np.sqrt(0.4):.3f}")
+    assert not warnings(tmp_path / "drop") - {"stress of the mesh"}
+    assert least < restitution(best / 2) and least < restitution(2 * best)
+    assert first > 0.8 and least < 0.6
+
+
 def test_block(out: Path) -> None:
     signorini("optimize", SCENES / "block.toml", out, optimizer__tolerance=1e-6)
     history = table(out / "history.csv")
