@@ -2,12 +2,12 @@
 """The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain, and the fields of its stress.
 
 Notation: displacement y, velocity v, test function phi in V, the continuous vector Lagrange
-functions; eps(y) = sym grad y, in two dimensions by one of three models (eps_zz is the component out of the plane):
+functions; eps(y) = sym grad y. In two dimensions one of three models determines eps_zz, the component out of the plane:
 
     plane strain         eps_zz = 0; a body of depth 1 m
     plane stress         eps_zz such that sigma_zz = 0: lambda becomes 2 lambda mu/(lambda + 2 mu) in the plane, and
-                         kappa - 2 eta/3 changes likewise; depth 1 m. This holds for all times only if
-                         kappa/eta is the ratio of bulk and shear modulus, which the program requires
+                         kappa - 2 eta/3 changes by the same factor; depth 1 m. This holds for all times only
+                         if kappa/eta is the ratio of bulk and shear modulus, which the program requires
     axial symmetry       x is the radius r, y the axis; the third direction is that around the axis:
                          eps_zz = y_r/r, and int stands for int 2 pi r over the half section: the whole body
 
@@ -31,12 +31,11 @@ in the plane too, with the out-of-plane stress (lambda tr eps(y) + (kappa - 2 et
     stress     sigma = lambda tr eps(y) I + 2 mu eps(y) + (kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)
     von_mises  sqrt(3/2 dev sigma : dev sigma)
 
-The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface: which these are is
-said when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
+The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface, which are given
+when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
 
-The build compiles this page for every cell, degree and model it is asked for (signorini_add_forms in
-forms/CMakeLists.txt) and again whenever it is edited. The names of the forms and of the
-constants are those that cpp/fem/compiled_forms.cpp asks for.
+The build compiles this page for every cell, degree and model in forms/CMakeLists.txt (signorini_add_forms), and again
+whenever it is edited. cpp/fem/compiled_forms.cpp uses the names of the forms and of the constants.
 """
 
 import basix.ufl
@@ -61,10 +60,10 @@ def forms(cell: str, degree: int, model: str = "plane_strain") -> dict[str, obje
     k_normal = ufl.Constant(domain)  # springs along the normal, N/m^3; dashpots, N s/m^3
     k_tangential = ufl.Constant(domain)  # springs across the normal, the same units
 
-    # The cells and the facets that are given at assembly, with the depth of the body there.
+    # Cells and facets that are given at assembly, and the depth of the body there.
     r = ufl.SpatialCoordinate(domain)[0]
     if model == "axisymmetric":
-        exact = {"quadrature_degree": 2 * degree + 2}  # of all terms without 1/r; points are inside the cells, r > 0
+        exact = {"quadrature_degree": 2 * degree + 2}  # for all terms without 1/r; points are inside the cells, r > 0
         depth, dx, ds = 2 * ufl.pi * r, ufl.dx(1, metadata=exact), ufl.ds(1, metadata=exact)
     else:
         depth, dx, ds = 1, ufl.dx(1), ufl.ds(1)
@@ -72,7 +71,7 @@ def forms(cell: str, degree: int, model: str = "plane_strain") -> dict[str, obje
     density, E, nu, bulk, shear = (ufl.variable(constant) for constant in (rho, young, poisson, kappa, eta))
     lmbda = E * nu / ((1 + nu) * (1 - 2 * nu))
     mu = E / (2 * (1 + nu))
-    # By the out-of-plane strain of plane stress, the first modulus in the plane, lambda or that of viscosity, falls.
+    # The out-of-plane strain of plane stress reduces the first modulus, lambda or kappa - 2 eta/3, by this factor.
     in_plane = (1 - 2 * nu) / (1 - nu) if model == "plane_stress" else 1
 
     def in_space(w):

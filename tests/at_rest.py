@@ -5,6 +5,7 @@ With a viscosity of T = 1000 s times the elastic moduli and steps of 2T the step
 ρ L²/(E τ²) < 1e-8 of the inertia.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,7 @@ RUNS = [*((scheme, 1) for scheme in SCHEMES), ("contact-implicit", 2)]  # on so 
 RADIUS, MODULUS = 8.0, E / (1 - NU**2)
 PRESS = SOURCE / "meshes" / "press.geo"
 GROUPS = {2: ("Curve", "Surface"), 3: ("Surface", "Volume")}
+Field = Callable[[np.ndarray], np.ndarray]  # values at places
 
 
 def box(dim: int, folder: Path) -> Path:
@@ -56,8 +58,8 @@ def box(dim: int, folder: Path) -> Path:
     return file
 
 
-def hat_means(nodes: np.ndarray, facets: np.ndarray, exact) -> np.ndarray:
-    """Mean of a pressure at each node, weighted with the node's hat function, by midpoints of the facets' parts."""
+def hat_means(nodes: np.ndarray, facets: np.ndarray, exact: Field, weight: Field = lambda places: np.ones(len(places))) -> np.ndarray:
+    """Mean of a pressure at each node, weighted with the node's hat function and a given weight, by midpoints of the facets' parts."""
     corners = facets.shape[1]
     n = 24
     if corners == 2:
@@ -70,9 +72,10 @@ def hat_means(nodes: np.ndarray, facets: np.ndarray, exact) -> np.ndarray:
         weights = np.column_stack([1 - st.sum(axis=1), st])
     sums = np.zeros((2, len(nodes)))
     for facet in facets:
-        values = exact(weights @ nodes[facet])
+        places = weights @ nodes[facet]
+        hats = weights * weight(places)[:, None]
         edges = nodes[facet[1:]] - nodes[facet[0]]
         size = np.linalg.norm(np.cross(*edges)) / 2 if corners == 3 else np.linalg.norm(edges[0])
-        sums[0, facet] += size * (weights * values[:, None]).mean(axis=0)
-        sums[1, facet] += size * weights.mean(axis=0)
+        sums[0, facet] += size * (hats * exact(places)[:, None]).mean(axis=0)
+        sums[1, facet] += size * hats.mean(axis=0)
     return sums[0] / np.where(sums[1] > 0, sums[1], 1)

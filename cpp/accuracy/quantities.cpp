@@ -16,19 +16,26 @@ namespace {
 std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   const std::string each = scene.mesh.per_depth(dim);
   std::vector<Quantity> all;
-  const auto add = [&](const std::string& end, const std::string& of) {
-    all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
+  // In axial symmetry the force of a tube has no resultant.
+  const auto radial = [&](const scene::Contact& contact) {
+    return scene.mesh.axisymmetric() && std::holds_alternative<scene::Cylinder>(contact.obstacle);
+  };
+  const auto add = [&](const std::string& end, const std::string& of, bool resultant) {
+    if (resultant)
+      all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
     all.push_back({"impulse_duration" + end, "time from 1 to 99 % of the impulse" + of, "s"});
     all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each, false, false, false});
-    all.push_back({"peak_force" + end, "peak force (two-step mean)" + of, "N" + each, false, false, false});
+    if (resultant)
+      all.push_back({"peak_force" + end, "peak force (two-step mean)" + of, "N" + each, false, false, false});
     all.push_back({"contact_start" + end, "start of contact" + of, "s"});
     all.push_back({"contact_time" + end, "time in contact" + of, "s", false, false, false});
   };
   if (!scene.contacts.empty())
-    add("", "");
+    add("", "", !std::ranges::all_of(scene.contacts, radial));
   if (scene.contacts.size() > 1)
     for (int obstacle = 0; obstacle < std::ssize(scene.contacts); ++obstacle)
-      add(diagnostics::obstacle_suffix(obstacle), fmt::format(", obstacle {}", obstacle + 1));
+      add(diagnostics::obstacle_suffix(obstacle), fmt::format(", obstacle {}", obstacle + 1),
+          !radial(scene.contacts[static_cast<std::size_t>(obstacle)]));
   return all;
 }
 

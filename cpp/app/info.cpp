@@ -103,12 +103,18 @@ Costs costs(const problem::Problem& problem) {
   if (body.B)
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: included in D and R"};
   const auto if_any = [](Mat matrix) { return matrix ? petsc::bytes(matrix) : 0; };
-  costs["mass damping"] = {"its part of B", if_any(body.drag), "nothing: included in D and R"};
+  // Of an elastic body B has surroundings alone, to which it is counted.
+  const double own_B = body.B && !body.viscous ? petsc::bytes(*body.B) : 0;
+  costs["mass damping"] = {own_B > 0 && !body.foundation_B ? "B, and its part of B" : "its part of B",
+                           if_any(body.drag) + (body.foundation_B ? 0 : own_B),
+                           "nothing: included in D and R"};
   if (body.relaxation)
     costs["relaxation"] = {"stiffness that relaxes",
                            body.relaxation->bytes() + static_cast<double>(2 * stepper.branches()) * vector,
                            "at most two products for each material that relaxes"};
-  costs["foundation"] = {"its parts of A, B", if_any(body.foundation_A) + if_any(body.foundation_B),
+  costs["foundation"] = {own_B > 0 && body.foundation_B ? "B, its parts of A, B" : "its parts of A, B",
+                         if_any(body.foundation_A) + if_any(body.foundation_B) +
+                             (body.foundation_B ? own_B : 0),
                          "nothing: included in D and R"};
   costs["point force"].step = "its values";
   if (stepper.moving_clamps())

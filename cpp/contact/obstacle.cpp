@@ -102,11 +102,7 @@ double Obstacle::level(const double* x, const Place& place) const {
   return std::visit(
       Overloads{[&](const scene::HalfSpace&) { return dot(direction_, from(place.point, point(x))); },
                 [&](const scene::Ball&) { return round(); }, [&](const scene::Cylinder&) { return round(); },
-                [&](const scene::SignedDistance&) {
-                  double value = 0;
-                  distance_->evaluate(x, place.t, &value);
-                  return value;
-                }},
+                [&](const scene::SignedDistance&) { return distance(x, place.t); }},
       shape_);
 }
 
@@ -149,13 +145,20 @@ Obstacle::Plane Obstacle::round(const double* x, const Place& place) const {
   return {scaled(sign / distance, r), sign * (distance - place.radius)};
 }
 
+double Obstacle::distance(const double* x, double t) const {
+  const Point at{axisymmetric_ ? std::abs(x[0]) : x[0], x[1], x[2]};
+  double value = 0;
+  distance_->evaluate(at.data(), t, &value);
+  return value;
+}
+
 Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
   // Central differences of order 6. For an obstacle of length scale l their error is (h/l)^6, 1e-12 where l
   // is a hundredth of the body's diameter, and their rounding is 1e-16 (distance/h).
   const double h = 1e-4 * diameter_;
   constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
-  double value = 0, largest = 0;
-  distance_->evaluate(x, t, &value);
+  const double value = distance(x, t);
+  double largest = 0;
   Point gradient{};
   for (std::size_t c = 0; c < dim_; ++c)
     for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -164,7 +167,7 @@ Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
         Point beside = point(x);
         beside[c] += (side == 0 ? -1.0 : 1.0) * static_cast<double>(k + 1) * h;
         try {
-          distance_->evaluate(beside.data(), t, &sides[side]);
+          sides[side] = distance(beside.data(), t);
         } catch (const UserError& error) {
           throw UserError(fmt::format("{}, also in the neighbourhood of the node at {}, where the expression "
                                       "is differentiated",

@@ -84,6 +84,8 @@ private:
   /// Half-space for a ball or cylinder.
   [[nodiscard]] Plane round(const double* x, const Place& place) const;
   [[nodiscard]] Plane of_distance(const double* x, double t) const;
+  /// Value of the scene's expression for a signed distance; in axial symmetry at the radius |x|.
+  [[nodiscard]] double distance(const double* x, double t) const;
 
   scene::Obstacle shape_;
   std::string key_;

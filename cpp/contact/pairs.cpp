@@ -106,21 +106,29 @@ ContactPairs::Gaps ContactPairs::gaps() const {
 
 std::vector<ContactPairs::BoundaryNode>
 ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const fem::Space& space,
-                             const fem::DirichletDofs& clamped) const {
+                             const fem::DirichletDofs& clamped) {
   std::vector<double> x;
   std::vector<std::int64_t> first;
   std::vector<int> kind; // for each: obstacle, free components
-  for (std::size_t obstacle = 0; obstacle < contacts.size(); ++obstacle)
-    for (int node : space.nodes_on(contacts[obstacle].on, keys_[obstacle] + ".on")) {
+  for (std::size_t obstacle = 0; obstacle < contacts.size(); ++obstacle) {
+    fem::require_area(space, contacts[obstacle].on, keys_[obstacle] + ".on");
+    for (int node : space.nodes_on(contacts[obstacle].on, keys_[obstacle] + ".on", true)) {
       // On the axis a function of a vertex in degree 2 has no area, ∫ φ r dr = 0: a pressure exerts no force
       // there, which would be a permanent kink.
-      if (space.degree() > 1 && space.on_axis(node))
+      if (space.degree() > 1 && space.on_axis(node)) {
+        const double* at = &space.points()[3 * static_cast<std::size_t>(node)];
+        axis_nodes_.push_back({{at[0], at[1], at[2]}, node * dim_, static_cast<int>(obstacle)});
         continue;
+      }
       x.insert(x.end(), &space.points()[3 * node], &space.points()[3 * node] + 3);
       first.push_back(space.first_dof() + node * dim_);
       kind.push_back(static_cast<int>(obstacle));
       kind.push_back(free_components(clamped, node, dim_));
     }
+  }
+  int skipped = !axis_nodes_.empty();
+  MPI_Allreduce(MPI_IN_PLACE, &skipped, 1, MPI_INT, MPI_MAX, comm_);
+  skips_axis_ = skipped != 0;
   x = gather(comm_, x);
   first = gather(comm_, first);
   kind = gather(comm_, kind);
@@ -262,7 +270,29 @@ std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {
   return gaps.psi;
 }
 
+ContactPairs::Depth ContactPairs::deepest_on_axis(Vec y, double t) const {
+  std::vector<Depth> mine(1);
+  {
+    const petsc::ReadArray values(y);
+    for (const AxisNode& node : axis_nodes_) {
+      const Obstacle& shape = shapes_[static_cast<std::size_t>(node.obstacle)];
+      std::array<double, 3> x = node.x;
+      x[1] += values[static_cast<std::size_t>(node.local_dof) + 1];
+      if (const double depth = -shape.at(x.data(), shape.place(t)).height; depth > mine[0].depth)
+        mine[0] = {depth, node.obstacle, node.x};
+    }
+  }
+  const std::vector<Depth> all = gather(comm_, mine);
+  return *std::ranges::max_element(all, {}, &Depth::depth);
+}
+
 void place_outside(const ContactPairs& pairs, Vec y) {
+  if (pairs.skips_axis())
+    if (const ContactPairs::Depth there = pairs.deepest_on_axis(y, 0); there.depth > pairs.gap_tolerance())
+      throw UserError(
+          fmt::format("{}: the node at {} on the axis starts {:.6g} m inside the obstacle; bodies must start "
+                      "outside: move the body",
+                      pairs.key(there.obstacle), point_text(there.x.data()), there.depth));
   const std::vector<int>& obstacles = pairs.obstacles();
   const double allowed = pairs.gap_tolerance();
   ContactPairs::NodeWork work = pairs.node_work();

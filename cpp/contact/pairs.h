@@ -83,6 +83,17 @@ public:
   /// Whether nodes that start inside an obstacle (number in the scene) are to be moved out of it
   /// (contact.initial).
   [[nodiscard]] bool projects(int obstacle) const { return project_[obstacle]; }
+  /// Whether nodes on the axis of a body of revolution are no candidates, as in degree 2.
+  [[nodiscard]] bool skips_axis() const { return skips_axis_; }
+  /// Node on the axis that is no candidate and deepest inside an obstacle.
+  struct Depth {
+    double depth = 0; ///< m; 0 if no such node is inside
+    int obstacle = -1;
+    std::array<double, 3> x{}; ///< its undeformed position, m
+  };
+  /// Returns the deepest of the nodes on the axis that are no candidates, for the displacement y at time t
+  /// (s). Collective.
+  [[nodiscard]] Depth deepest_on_axis(Vec y, double t) const;
   /// Name of the table of an obstacle (number in the scene) in the scene file.
   [[nodiscard]] const std::string& key(int obstacle) const { return keys_[obstacle]; }
   /// First global dofs, ascending, of the nodes on the contact boundary of an obstacle that have no pair,
@@ -119,7 +130,7 @@ private:
   /// Boundary nodes of all ranks, in the order in which their pairs are numbered. Collective.
   [[nodiscard]] std::vector<BoundaryNode> boundary_nodes(const std::vector<scene::Contact>& contacts,
                                                          const fem::Space& space,
-                                                         const fem::DirichletDofs& clamped) const;
+                                                         const fem::DirichletDofs& clamped);
   void add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                  const fem::DirichletDofs& clamped, const scene::Time& time);
   /// Time at which the direction of each node's pair is computed, s.
@@ -137,6 +148,13 @@ private:
   std::vector<double> points_, normals_, psi_;
   std::vector<PetscInt> first_dofs_;
   std::vector<int> obstacles_, local_;
+  /// Node on the axis that is no candidate, on the rank that owns it.
+  struct AxisNode {
+    std::array<double, 3> x;
+    int local_dof, obstacle;
+  };
+  std::vector<AxisNode> axis_nodes_;
+  bool skips_axis_ = false;
   std::optional<ConstraintRows> rows_; ///< absent until the pairs have been found
 };
 

@@ -113,6 +113,12 @@ void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, con
   for (const EdgeNodes& nodes : edges_on(space, group, pairs.key(obstacle) + ".on"))
     if (const int middle = candidate_at(nodes[0]); middle >= 0) {
       Edge edge{middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}};
+      for (const int end : {0, 1})
+        if (const std::int64_t node =
+                nodes[1 + static_cast<std::size_t>(end)] - space.first_dof() / space.dim();
+            edge.ends[static_cast<std::size_t>(end)] < 0 && node >= 0 && node < space.owned_nodes() &&
+            space.on_axis(static_cast<int>(node)))
+          axis_.emplace_back(static_cast<int>(node), edge.ends[static_cast<std::size_t>(1 - end)]);
       if (pairs.shape(obstacle).axisymmetric()) // the other end takes the share of the axis
         edge.ends = {edge.ends[edge.ends[0] < 0 ? 1 : 0], edge.ends[edge.ends[1] < 0 ? 0 : 1]};
       edges_.push_back(edge);
@@ -145,6 +151,13 @@ std::vector<double> Pressure::operator()(std::span<const double> forces, double 
       lambda[edge.middle] = sum / ends;
   }
   return lambda;
+}
+
+void Pressure::extend_to_axis(const std::vector<double>& pressures, std::vector<double>& field) const {
+  for (const auto& [node, candidate] : axis_)
+    if (candidate >= 0)
+      field[static_cast<std::size_t>(node)] =
+          std::max(field[static_cast<std::size_t>(node)], pressures[static_cast<std::size_t>(candidate)]);
 }
 
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,

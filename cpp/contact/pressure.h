@@ -34,6 +34,10 @@ public:
   /// zero area, the pressure is 0. It is also 0 at a vertex with zero area.
   [[nodiscard]] std::vector<double> operator()(std::span<const double> forces, double impulse) const;
 
+  /// Sets the entries of nodes on the axis of a body of revolution that have no candidate in a field of this
+  /// rank's nodes to the pressure of the next vertex. `pressures`: of the candidates. Not collective.
+  void extend_to_axis(const std::vector<double>& pressures, std::vector<double>& field) const;
+
 private:
   /// Edge of the contact surface: the candidates at its midpoint and at its ends; −1 for an end without
   /// candidate.
@@ -50,6 +54,8 @@ private:
   void gather_at_vertices(std::vector<double>& values) const;
 
   std::vector<Edge> edges_;
+  std::vector<std::pair<int, int>>
+      axis_; ///< owned nodes on the axis without candidate, and the next vertex's candidate
   std::vector<double> area_;
 };
 

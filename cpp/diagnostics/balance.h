@@ -13,7 +13,7 @@ struct BodyFigures;
 [[nodiscard]] inline double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
 /// Energy and momentum balance of one step, from the exact discrete identities of docs/method.md section 2.
-/// Energies are in J, forces in N; in 2D J/m and N/m.
+/// Energies are in J, forces in N; in plane strain and plane stress per metre of depth, J/m and N/m.
 struct StepBalance {
   double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
   double elastic_energy = 0;      ///< ½ y·Ay at the end of the step, without the foundations' part of A
@@ -127,13 +127,13 @@ public:
   /// complementarity.
   [[nodiscard]] double complementarity() const;
 
-  /// Returns the largest energy of the run so far, J (in 2D J/m).
+  /// Returns the largest energy of the run so far, in the unit of StepBalance.
   [[nodiscard]] double largest_energy() const { return energy_; }
 
 private:
   const step::Stepper& stepper_;
   double stiffness_;       ///< largest diagonal entry of A + Σ A_j, an estimate of the norm
-  double mass_, crossing_; ///< mass of the body, kg (in 2D kg/m); crossing time of a wave, s
+  double mass_, crossing_; ///< mass of the body, kg or kg/m of depth; crossing time of a wave, s
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
   std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},
                                   {"momentum law, residual / largest forces"},

@@ -12,8 +12,8 @@
 
 namespace signorini::diagnostics {
 
-/// Contact force of one obstacle, or of all, on the body in a step, and the impulse so far. In 2D forces are
-/// in N/m, impulses in N s/m.
+/// Contact force of one obstacle, or of all, on the body in a step, and the impulse so far. In plane
+/// strain and plane stress forces are per metre of depth, N/m, and impulses N s/m.
 struct ObstacleForce {
   std::array<double, 3> force{};   ///< resultant force on the body, N
   double normal_force = 0;         ///< sum of the moduli of the nodal forces, N
@@ -107,8 +107,8 @@ private:
 std::string obstacle_suffix(int obstacle);
 
 /// Measures impulse, forces and times of contact frame by frame, for all obstacles together. If there are
-/// several obstacles, it also measures them for each one, under names that end with obstacle_suffix(). In the
-/// plane forces and impulses are per metre.
+/// several obstacles, it also measures them for each one, under names that end with obstacle_suffix(). In
+/// plane strain and plane stress forces and impulses are per metre of depth.
 class ContactFigures {
 public:
   /// `stepper` must outlive this object.
@@ -127,7 +127,7 @@ private:
     std::string suffix; ///< suffix of the quantities' names
     ContactTimes times;
     trajectory::ImpulseRecord record{}; ///< record of the sum of the nodal forces' moduli
-    /// Force of the last step, N (in 2D N/m), and impulse so far, N s (N s/m).
+    /// Force of the last step and impulse so far, in the units of ObstacleForce.
     std::array<double, 3> before{}, impulse{};
     double peak = 0;
     /// Takes the force of a step that ends at `t` (s).

@@ -220,6 +220,8 @@ std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
 std::string ImpactSummary::no_restitution_reason() const {
   if (!impact_.all.occurred())
     return "the body touched no obstacle";
+  if (stepper_.space().mesh().axisymmetric() && length(impact_.whole.impulse) == 0)
+    return "radial forces have no resultant";
   constexpr double rounding = 1e-12;
   if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
     return "clamps hold the body in the direction of the contact force";

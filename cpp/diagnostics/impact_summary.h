@@ -13,8 +13,8 @@ namespace signorini::diagnostics {
 
 /// Contact with one obstacle, or with all obstacles, over a motion. Times are not resolved within steps: the
 /// force of step k acts from t_{k−1} to t_k. Peaks are largest means over two steps in a row, since forces of
-/// single contact-implicit steps alternate (docs/method.md section 2). In 2D forces are in N/m and impulses
-/// in N s/m.
+/// single contact-implicit steps alternate (docs/method.md section 2). In plane strain and plane stress
+/// forces are per metre of depth, N/m, and impulses N s/m.
 struct Touch {
   std::string name;                ///< name of the obstacle
   double start = 0, end = 0;       ///< begin of the first, end of the last step with a contact force, s
@@ -37,11 +37,11 @@ struct Touch {
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
 };
 
-/// Effect of contact on the motion of the body as a whole.
+/// Effect of contact on the motion of the body as a whole. Units of forces and impulses as in Touch.
 struct Rebound {
   double start = 0, end = 0; ///< begin of the first, end of the last step with a force, s
   int touches = 1; ///< number of touches; at least two steps in a row without contact separate two touches
-  std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s, in 2D N s/m
+  std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s
   double peak = 0;                 ///< largest mean of Σ |nodal force| over two steps, N
   std::array<double, 3> before{},  ///< velocity of the centre of mass at `start`, m/s
       after{};                     ///< velocity of the centre of mass at `end`, m/s
@@ -52,7 +52,7 @@ struct Rebound {
 
 /// Motion of the body as a whole before and after contact.
 struct Impact {
-  double mass = 0;              ///< mass of the body, kg, in 2D kg/m
+  double mass = 0;              ///< mass of the body, kg; in plane strain and plane stress kg/m
   std::vector<Touch> obstacles; ///< contact with each obstacle
   Touch all;                    ///< contact with all obstacles together
   bool ended = false;           ///< whether no candidate was in contact in the last two steps
@@ -65,7 +65,7 @@ struct Impact {
   [[nodiscard]] bool begins(double t, double crossing) const;
 };
 
-/// Sources and sinks of a motion's energy, J (in 2D J/m), as sums over its steps.
+/// Sources and sinks of a motion's energy, J (in plane strain and plane stress J/m), as sums over its steps.
 struct EnergyAccount {
   double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
   double load_work = 0;                                    ///< work of the scene's loads

@@ -28,6 +28,10 @@ constexpr double small_rotation = 5 * std::numbers::pi / 180;
 /// Limit of the error of a linearised gap, relative to the node's displacement; the same as that of strain.
 constexpr double small_gap_error = 0.05;
 
+/// Limit of the depth of a node on the axis without candidate inside an obstacle, relative to the body's
+/// diameter.
+constexpr double shallow = 1e-3;
+
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 /// Returns a value above a limit as text, with four digits or as many as show that it is above the limit.
@@ -87,6 +91,9 @@ void Plausibility::check_displacement(Vec y, double t) {
 
 void Plausibility::check_contact(Vec y, double t) {
   const contact::ContactPairs& pairs = *stepper_.pairs();
+  if (pairs.skips_axis())
+    if (const contact::ContactPairs::Depth there = pairs.deepest_on_axis(y, t); there.depth > axis_.value)
+      axis_ = {there.depth, t, there.x, t};
   pairs.rows().gap(pairs.psi(t, *psi_), y, gaps_);
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Row slip{}, gap{};
@@ -235,6 +242,13 @@ std::vector<Warning> Plausibility::warnings() {
                                  "is still the tangent plane at its undeformed position",
                                  where(slip_), above(slip_.value, 1)),
                      slip_.value, 1});
+  if (const double limit = shallow * stepper_.space().mesh().diameter(); axis_.value > limit)
+    found.push_back(
+        {"axis inside an obstacle",
+         fmt::format("the node {} on the axis is {} m inside an obstacle: in degree 2 it is no contact "
+                     "candidate. Use mesh.degree = 1 for bodies with a tip on the axis",
+                     where(axis_), above(axis_.value, limit)),
+         axis_.value, limit});
   if (gap_.value > small_gap_error)
     found.push_back({"linearised gap",
                      fmt::format("the gap of the node {} has an error of {} of the node's displacement "
@@ -255,10 +269,11 @@ constexpr double longest = 1000, shortest = 1e-5;
 /// Largest plausible distance of an obstacle that the body does not reach, in lengths of the body.
 constexpr double farthest = 10;
 
-void warn_of_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& warnings) {
+void warn_of_materials(const std::vector<scene::Material>& materials, scene::PlaneModel model,
+                       std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const std::string key = materials.size() == 1 ? "material" : fmt::format("material[{}]", i);
-    const double speed = fem::wave_speeds(materials[i])[0], density = materials[i].density;
+    const double speed = fem::wave_speeds(materials[i], model)[0], density = materials[i].density;
     if (density > densest)
       warnings.push_back(
           fmt::format("{}.density is {:.4g} kg/m³, more than that of any solid", key, density));
@@ -354,7 +369,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   figures.model = figures.dim == 3 ? "space" : scene::name(stepper.space().mesh().model());
   figures.per_depth = stepper.space().mesh().per_depth();
   figures.notes = stepper.space().mesh().notes();
-  if (stepper.pairs() && stepper.space().mesh().axisymmetric() && stepper.space().degree() > 1)
+  if (stepper.pairs() && stepper.pairs()->skips_axis())
     figures.notes.emplace_back(
         "the axis has no contact candidate: in degree 2 a pressure exerts no force on the node "
         "there");
@@ -369,7 +384,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};
   figures.crossing = fem::crossing_time(stepper.space(), scene.materials);
   figures.crossing_steps = scene.time.automatic() ? 0 : figures.crossing / scene.time.step;
-  warn_of_materials(scene.materials, figures.warnings);
+  warn_of_materials(scene.materials, stepper.space().mesh().model(), figures.warnings);
   warn_of_sizes(stepper, scene, figures, figures.warnings);
   warn_of_normals(stepper, figures.warnings);
   warn_of_bending(stepper, scene, figures, figures.warnings);

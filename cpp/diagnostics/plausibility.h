@@ -56,6 +56,7 @@ private:
   double energy_ = 0;
   double largest_energy_time_ = -1; ///< time of largest_energy_state_, s; negative if it need not be checked
   Worst strain_, rotation_, inverted_, slip_, gap_;
+  Worst axis_;               ///< depth of a node on the axis without candidate inside an obstacle, m
   std::vector<double> gaps_; ///< gaps of the constraint rows, m
   std::optional<contact::ContactPairs::Gaps> psi_;
 };
@@ -64,9 +65,9 @@ private:
 struct BodyFigures {
   std::array<double, 3> extent{}; ///< extent of the bounding box, m
   int dim = 0;                    ///< dimension, 2 or 3
-  std::string model;              ///< what a body in the plane stands for, mesh.model; "space" in space
+  std::string model;              ///< model of a body in the plane, mesh.model; "space" in space
   std::string per_depth{};        ///< suffix of the units of mass, force and energy, scene::per_depth()
-  double mass = 0;                ///< kg, in the plane kg/m
+  double mass = 0;                ///< kg, with the suffix per_depth
   std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
   std::array<double, 2> shear_waves{};    ///< least and greatest speed over the materials, m/s
   double crossing = 0;                    ///< time in which the fastest wave crosses the greatest extent, s

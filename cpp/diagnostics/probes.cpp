@@ -136,7 +136,7 @@ void Probes::add_reaction(const std::string& probe, const std::string& group, co
     weights_.push_back(space.vector());
     const petsc::WriteArray values(weights_.back());
     for (const int node : nodes)
-      if (space.translates(c) && stepper_.clamped().contains(node, static_cast<int>(c))) {
+      if (stepper_.clamped().contains(node, static_cast<int>(c)) && !(c == 0 && space.on_axis(node))) {
         values[dim_ * static_cast<std::size_t>(node) + c] = 1;
         ++held;
       }

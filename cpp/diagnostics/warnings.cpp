@@ -93,7 +93,11 @@ std::optional<double> curvature(const std::vector<Neighbour>& around, double h, 
 CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candidate, int most, double force,
                                    double modulus) {
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
-  const bool plane = pairs.dim() == 2, round = !plane || pairs.obstacle(candidate).axisymmetric();
+  const bool plane = pairs.dim() == 2;
+  const double x = pairs.points()[3 * static_cast<std::size_t>(candidate)];
+  const bool revolved = pairs.obstacle(candidate).axisymmetric(), on_axis = revolved && x == 0;
+  if (revolved && !on_axis) // a ring, whose contact is that of a cylinder as long as its circumference
+    force /= 2 * std::numbers::pi * x;
   std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
   if (plane && ring == 2 && around[0].xi * around[1].xi > 0) // the last node of a line
     ring = 1;
@@ -111,12 +115,13 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
     return {spacing.found, 0};
   spacing.enough = finer;
   if (bend && *bend > 0) {
-    const double radius = round ? std::cbrt(3 * force / (4 * modulus * *bend)) // Hertz
-                                : std::sqrt(4 * force / (std::numbers::pi * modulus * *bend));
-    // Puts the ring around a node in the middle, in the plane two nodes on either side of it, within the
-    // zone; forces on coarse meshes are too large.
+    const double radius = plane && !on_axis
+                              ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
+                              : std::cbrt(3 * force / (4 * modulus * *bend));
+    // Puts the ring around a node in the middle, in the plane two nodes on either side of it, on the axis
+    // four nodes beside it, within the zone; forces on coarse meshes are too large.
     constexpr double part = 0.7;
-    spacing.enough = std::min(finer, part * (plane ? radius / 2 : radius));
+    spacing.enough = std::min(finer, part * (on_axis ? radius / 4 : plane ? radius / 2 : radius));
   }
   return spacing;
 }
@@ -168,7 +173,8 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   double modulus = 0;
   for (const scene::Material& material : scene_.materials) {
     const auto [young, poisson] = material.instantaneous_constants();
-    modulus = std::max(modulus, young / (1 - poisson * poisson));
+    const bool plate = stepper_.space().mesh().model() == scene::PlaneModel::plane_stress;
+    modulus = std::max(modulus, plate ? young : young / (1 - poisson * poisson));
   }
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const CandidateSpacing spacing = candidate_spacing(pairs, zone.candidate, zone.most, zone.force, modulus);

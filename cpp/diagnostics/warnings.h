@@ -31,8 +31,8 @@ public:
 private:
   struct Zone {
     int most = 0;       ///< largest number of candidates in contact at once
-    double last = 0;    ///< normal force of the last step, N, in the plane N/m
-    double force = 0;   ///< largest mean of the normal force over two steps in a row, N or N/m
+    double last = 0;    ///< normal force of the last step, N; in plane strain and plane stress N/m
+    double force = 0;   ///< largest mean of the normal force over two steps in a row, as `last`
     double time = 0;    ///< time of that mean, s
     int candidate = -1; ///< candidate with the largest force at that time; −1: no force so far
   };
@@ -54,8 +54,8 @@ struct CandidateSpacing {
 };
 
 /// Returns the present and the sufficient spacing for a contact zone of `most` candidates around `candidate`.
-/// The zone carries `force` (N, in the plane N/m) on a body with the plane-strain modulus E/(1 − ν²) =
-/// `modulus` (Pa). Not collective.
+/// The zone carries `force` (N; in plane strain and plane stress N/m) on a body with the plane-strain modulus
+/// E/(1 − ν²) = `modulus` (Pa). Not collective.
 CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candidate, int most, double force,
                                    double modulus);
 
@@ -74,10 +74,10 @@ Alternations alternations(const std::vector<contact::ContactLinearisation>& cont
 std::string calmer_contact(const step::Stepper& stepper);
 
 /// Returns a warning if contact took more than 3 % of the largest energy of a motion although its obstacles
-/// are at rest. `contact_work`: work of contact, `largest_energy`: largest energy, J (in the plane J/m). Such
-/// a loss is a discretisation error: in one step, contact stops all mass that a wave from the obstacle
-/// reaches in this step, and at least the mass of the nodes in contact. The warning names the step length
-/// below which shorter steps no longer reduce this error. Empty if an obstacle moves. Not collective.
+/// are at rest. `contact_work`: work of contact, `largest_energy`: largest energy, both in J or J/m of
+/// depth. Such a loss is a discretisation error: in one step, contact stops all mass that a wave from the
+/// obstacle reaches in this step, and at least the mass of the nodes in contact. The warning names the step
+/// length below which shorter steps no longer reduce this error. Empty if an obstacle moves. Not collective.
 std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Scene& scene,
                                   double contact_work, double largest_energy);
 

@@ -218,9 +218,11 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   if (largest_stress_)
     largest_stress_->observe(*cell_fields_, now.state, t);
   write(Field::pressure, [&] {
-    const double impulse = now.step.scheme().impulse();
-    return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
-                             (*pressure_)(now.contact.normal_lambda(), impulse));
+    const std::vector<double> pressures =
+        (*pressure_)(now.contact.normal_lambda(), now.step.scheme().impulse());
+    std::vector<double> field = contact::at_nodes(problem_.space, *problem_.stepper.pairs(), pressures);
+    pressure_->extend_to_axis(pressures, field);
+    return field;
   });
 }
 

@@ -90,7 +90,7 @@ ConstantValues of_step(const scene::Material& material, double tau) {
 }
 
 ConstantValues of_moduli(const scene::Material& material, scene::ElasticModuli moduli) {
-  // Of the elastic constants the viscous terms take Poisson's ratio, by which plane stress reduces them.
+  // In plane stress the form b needs Poisson's ratio too: the strain out of the plane depends on it.
   return {.poisson = material.poisson, .kappa = moduli.bulk, .eta = moduli.shear};
 }
 

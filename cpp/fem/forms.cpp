@@ -134,20 +134,6 @@ petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std
   return matrix;
 }
 
-/// Throws UserError if all nodes of a boundary group are on the axis of a body of revolution. Collective.
-void require_area(const Space& space, const std::string& group, const std::string& key) {
-  if (!space.mesh().axisymmetric())
-    return;
-  const std::vector<int> nodes = space.nodes_on(group, key);
-  int off_axis = std::ranges::any_of(nodes, [&](int node) { return !space.on_axis(node); });
-  MPI_Allreduce(MPI_IN_PLACE, &off_axis, 1, MPI_INT, MPI_MAX, space.comm());
-  if (off_axis == 0)
-    throw UserError(
-        fmt::format("{}: found \"{}\", a group on the axis, which is inside the body and has no area; "
-                    "choose another group",
-                    key, group));
-}
-
 /// Assembles the form `volume` over a group of cells, or the form `surface` over a group of facets (AIJ).
 /// Collective.
 petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
@@ -223,6 +209,18 @@ petsc::Matrix assemble_elasticity(const Space& space, const std::vector<Part>& p
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
   return symmetric(space.layout().extended(assemble_over(space, group, key, Form::L2, Form::L2_surface)));
+}
+
+void require_area(const Space& space, const std::string& group, const std::string& key) {
+  if (!space.mesh().axisymmetric())
+    return;
+  int off_axis = !space.nodes_on(group, key, true).empty();
+  MPI_Allreduce(MPI_IN_PLACE, &off_axis, 1, MPI_INT, MPI_MAX, space.comm());
+  if (off_axis == 0)
+    throw UserError(
+        fmt::format("{}: found \"{}\", a group on the axis, which is inside the body and has no area; "
+                    "choose another group",
+                    key, group));
 }
 
 std::vector<std::int32_t> sides(const Space& space, const std::string& group, const std::string& key) {

@@ -44,7 +44,7 @@ enum class Form {
 /// Digest of the compiled forms for simplices of dimension `dim`, functions of degree `degree` and, in the
 /// plane, `model`; it changes if a form is edited. Throws std::logic_error if no forms were compiled for
 /// these. Not collective.
-std::string forms_digest(int dim, int degree, scene::PlaneModel model = scene::PlaneModel::plane_strain);
+std::string forms_digest(int dim, int degree, scene::PlaneModel model);
 
 /// Assembles a form over the cells of the body's parts for a time step `tau`, s, without boundary conditions.
 /// Returns a symmetric matrix of PETSc type `type` (AIJ or BAIJ) on V, whose block size is the space
@@ -80,6 +80,10 @@ struct Springs {
 /// Returns the facets of a group that this rank owns, each as a pair of a cell and the facet's number in this
 /// cell. Collective. Throws UserError, naming the scene's `key`, unless the group is one of facets.
 std::vector<std::int32_t> sides(const Space& space, const std::string& group, const std::string& key);
+
+/// Throws UserError, naming the scene's `key`, if a boundary group is on the axis of a body of revolution and
+/// has no area. Collective.
+void require_area(const Space& space, const std::string& group, const std::string& key);
 
 /// Assembles the form `springs` over several surfaces, in blocks (BAIJ). Only nodes of cells at these
 /// surfaces have entries. Collective.

@@ -42,7 +42,7 @@ std::vector<int> component_numbers(const std::optional<std::vector<scene::Compon
 /// half in blocks of the space dimension (SBAIJ), which makes products twice as fast as with AIJ. Forms that
 /// act alike on each component, such as L2 and m, store one component for all (MAIJ).
 struct Operators {
-  petsc::Matrix M;                       ///< form m: kg, in the plane kg/m
+  petsc::Matrix M;                       ///< form m: kg; in plane strain and plane stress kg/m
   petsc::Matrix A;                       ///< form a
   std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
   std::optional<petsc::Matrix> W;        ///< form L2; present only if requested (`densities`)

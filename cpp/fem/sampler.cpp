@@ -13,6 +13,7 @@
 #include <dolfinx/geometry/utils.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <limits>
+#include <numbers>
 
 namespace signorini::fem {
 using mesh::Simplex;
@@ -114,7 +115,7 @@ std::vector<double> basis(const dolfinx::fem::FiniteElement<double>& element, co
 Quadrature quadrature(const mesh::Mesh& mesh) {
   const auto& cells = *mesh.dolfinx();
   const int dim = mesh.dim();
-  constexpr int order = 2;
+  const int order = mesh.axisymmetric() ? 3 : 2; // of squares, with the radius in the weight
   const auto [x, w] = basix::quadrature::make_quadrature<double>(basix::quadrature::type::Default,
                                                                  dim == 2 ? basix::cell::type::triangle
                                                                           : basix::cell::type::tetrahedron,
@@ -124,7 +125,8 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
     const Simplex here = simplex(cells, c);
     for (std::size_t q = 0; q < w.size(); ++q) {
       const Simplex::Point point = here.point(&x[q * static_cast<std::size_t>(dim)]);
-      rows.push_back({point[0], point[1], point[2], w[q] * here.abs_determinant()});
+      const double depth = mesh.axisymmetric() ? 2 * std::numbers::pi * point[0] : 1;
+      rows.push_back({point[0], point[1], point[2], depth * w[q] * here.abs_determinant()});
     }
   }
   rows = gather(mesh.comm(), rows);

@@ -9,11 +9,12 @@ namespace signorini::fem {
 /// A quadrature rule over the body.
 struct Quadrature {
   std::vector<double> points;  ///< (n × 3), m
-  std::vector<double> weights; ///< (n), m^dim
+  std::vector<double> weights; ///< (n), m^dim; m³ in axial symmetry
 };
 
-/// Points and weights of the quadrature rule of order 2 on every cell of the mesh. The result contains the
-/// points of all ranks, sorted by coordinates, and is the same on every rank. Collective.
+/// Points and weights of a quadrature rule on every cell of the mesh, over the whole body in axial symmetry;
+/// exact for squares of linear functions. The result contains the points of all ranks, sorted by coordinates,
+/// and is the same on every rank. Collective.
 Quadrature quadrature(const mesh::Mesh& mesh);
 
 /// Evaluates functions of V at fixed points, which may come from another mesh of the same body. The result

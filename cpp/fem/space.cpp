@@ -108,10 +108,17 @@ Space::Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtua
       coordinate = 0;
 }
 
-std::vector<int> Space::nodes_on(const std::string& group, const std::string& key) const {
+std::vector<int> Space::nodes_on(const std::string& group, const std::string& key, bool with_area) const {
   const auto topology = mesh_->dolfinx()->topology();
-  std::vector<std::int32_t> nodes = dolfinx::fem::locate_dofs_topological(
-      *topology, *V_->dofmap(), topology->dim() - 1, mesh_->facets(group, key), true);
+  std::vector<std::int32_t> facets = mesh_->facets(group, key);
+  if (with_area && mesh_->axisymmetric()) {
+    const std::vector<double> x =
+        dolfinx::mesh::compute_midpoints(*mesh_->dolfinx(), topology->dim() - 1, std::span(facets));
+    std::size_t i = 0;
+    std::erase_if(facets, [&](std::int32_t) { return x[3 * i++] == 0; });
+  }
+  std::vector<std::int32_t> nodes =
+      dolfinx::fem::locate_dofs_topological(*topology, *V_->dofmap(), topology->dim() - 1, facets, true);
   std::erase_if(nodes, [&](std::int32_t node) { return node >= owned_nodes(); });
   return {nodes.begin(), nodes.end()};
 }

@@ -97,15 +97,19 @@ public:
   /// Whether an owned node (local number) is on the axis of a body of revolution, where the radial
   /// displacement is zero.
   [[nodiscard]] bool on_axis(int node) const {
-    return mesh_->axisymmetric() && points_[3 * static_cast<std::size_t>(node)] == 0;
+    return on_axis_of_revolution(points_[3 * static_cast<std::size_t>(node)]);
   }
+  /// Whether points with the coordinate x are on the axis of a body of revolution.
+  [[nodiscard]] bool on_axis_of_revolution(double x) const { return mesh_->axisymmetric() && x == 0; }
 
   /// Creates a zero vector of V. Collective.
   [[nodiscard]] petsc::Vector vector() const { return layout_.vector(); }
 
-  /// Local numbers, ascending, of the owned nodes on a boundary group. Collective. Throws UserError naming
-  /// `key`, as mesh::Mesh::facets does.
-  [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
+  /// Local numbers, ascending, of the owned nodes on a boundary group. `with_area`: without the group's
+  /// facets on the axis of a body of revolution. Collective. Throws UserError naming `key`, as
+  /// mesh::Mesh::facets does.
+  [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key,
+                                          bool with_area = false) const;
 
   /// Sets `out` to the nodal values of a field at time t, s; entries of virtual nodes remain unchanged.
   /// Collective. Throws UserError on every rank if a value is not finite.

@@ -37,6 +37,14 @@ StressRecovery::StressRecovery(const Space& space, const std::vector<Part>& part
   for (std::size_t i = 0; i < cells_.cells.size(); ++i)
     rows_.push_back(rows.try_emplace({cells_.cells[i], part[i / corners]}, rows.size()).first->second);
   volumes_ = mesh::volumes(cells_);
+  depths_.assign(volumes_.size(), 1.0);
+  for (std::size_t i = 0; space.mesh().axisymmetric() && i < cells_.cells.size(); ++i) {
+    const double share =
+        2 * std::numbers::pi / static_cast<double>(corners); // of the circle at the mean radius
+    double& depth = depths_[i / corners];
+    depth =
+        (i % corners == 0 ? 0 : depth) + share * cells_.points[3 * static_cast<std::size_t>(cells_.cells[i])];
+  }
   sums_.assign(volumes_.size(), 0.0);
 }
 
@@ -75,7 +83,7 @@ void StressRecovery::add(Vec y, double weight) {
       }
       energy += all_a * all_b;
     }
-    sums_[cell] += weight / 2 * volumes_[cell] * share * std::max(0.0, energy);
+    sums_[cell] += weight / 2 * depths_[cell] * volumes_[cell] * share * std::max(0.0, energy);
   }
 }
 
@@ -166,14 +174,22 @@ double angle(const Cell& cell, std::size_t i, std::size_t corners) {
 
 /// Nodes on facets that belong to only one of `cells`. For a node all of whose cells are given, this shows
 /// whether it is on the boundary.
-std::set<std::int64_t> on_outer_facets(const std::vector<Cell>& cells, std::size_t corners) {
+/// Facets on the axis of a body of revolution are inside the body.
+std::set<std::int64_t> on_outer_facets(const std::vector<Cell>& cells, std::size_t corners,
+                                       bool axisymmetric) {
   const auto dim = static_cast<std::ptrdiff_t>(corners) - 1;
   std::vector<std::int64_t> nodes;
-  for (const Cell& cell : cells)
+  std::set<std::int64_t> axis, found;
+  for (const Cell& cell : cells) {
     nodes.insert(nodes.end(), cell.nodes.begin(), cell.nodes.begin() + dim + 1);
-  std::set<std::int64_t> found;
+    for (std::size_t i = 0; axisymmetric && i < corners; ++i)
+      if (cell.x[i][0] == 0)
+        axis.insert(cell.nodes[i]);
+  }
   for (const mesh::Facet& facet : mesh::outer_facets(mesh::sorted_facets(static_cast<int>(dim), nodes)))
-    found.insert(facet.nodes.begin(), facet.nodes.begin() + dim);
+    if (!std::all_of(facet.nodes.begin(), facet.nodes.begin() + dim,
+                     [&](std::int64_t node) { return axis.contains(node); }))
+      found.insert(facet.nodes.begin(), facet.nodes.begin() + dim);
   return found;
 }
 
@@ -195,7 +211,7 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
   const std::vector<Cell> around = cells.gathered(comm, [&](const Cell& other) {
     return std::ranges::find_first_of(nodes, std::span(other.nodes).first(corners)) != nodes.end();
   });
-  const std::set<std::int64_t> boundary = on_outer_facets(around, corners);
+  const std::set<std::int64_t> boundary = on_outer_facets(around, corners, space.mesh().axisymmetric());
   Tensor recovered{};
   double most = -1;
   for (std::size_t i = 0; i < corners; ++i) {
@@ -204,7 +220,8 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
     for (const Cell& other : around)
       for (std::size_t j = 0; j < corners; ++j)
         if (other.nodes[j] == nodes[i]) {
-          part_of_full += angle(other, j, corners);
+          // Around a node on the axis the section shows half of the angle.
+          part_of_full += (space.on_axis_of_revolution(other.x[j][0]) ? 2 : 1) * angle(other, j, corners);
           if (other.part != cell.part)
             continue;
           const double volume = simplex(other, space.dim()).abs_determinant();

@@ -18,8 +18,8 @@ public:
   /// sums(). Collective.
   void add(Vec y, double weight);
 
-  /// Weighted sums of the error energies, one for each cell of mesh(), in J (in the plane J/m) times the unit
-  /// of the weights; the same on every rank.
+  /// Weighted sums of the error energies, one for each cell of mesh(), in J (in plane strain and plane stress
+  /// J/m) times the unit of the weights; the same on every rank.
   [[nodiscard]] const std::vector<double>& sums() const { return sums_; }
   /// Cells of all ranks, rank after rank, without sizes; the same on every rank.
   [[nodiscard]] const mesh::SizeField& mesh() const { return cells_; }
@@ -33,7 +33,9 @@ private:
   petsc::Vector rest_;
   mesh::SizeField cells_;
   std::vector<std::size_t> rows_; ///< for each corner of each cell: row in the nodal means
-  std::vector<double> volumes_, sums_;
+  std::vector<double> volumes_;   ///< areas of the section in axial symmetry
+  std::vector<double> depths_;    ///< for each cell, ratio of its volume in the body to volumes_
+  std::vector<double> sums_;
 };
 
 /// Largest von Mises stress of all cells, and the recovered stress at the same point.

@@ -9,8 +9,7 @@ namespace signorini::fem {
 
 /// Speeds of pressure waves and of shear waves in a material, m/s; with the moduli at the instant of loading
 /// if it relaxes. In plane stress pressure waves are those of a plate, √(E/(ρ (1 − ν²))).
-std::array<double, 2> wave_speeds(const scene::Material& material,
-                                  scene::PlaneModel model = scene::PlaneModel::plane_strain);
+std::array<double, 2> wave_speeds(const scene::Material& material, scene::PlaneModel model);
 
 /// Time in which the fastest pressure wave crosses the longest side of the undeformed body's bounding box, s.
 double crossing_time(const Space& space, const std::vector<scene::Material>& materials);

@@ -30,7 +30,8 @@ struct StepsColumns {
 std::string steps_header(int dim, const StepsColumns& columns);
 
 /// Appends row k of steps.csv. `time`: s; `normal_force`: sum of the moduli of the nodal contact forces, N
-/// (in 2D N/m); `tracking_error`: L2 norm of y − y_d at `time`, m² (in 3D m^5/2), unused without that column.
+/// (in plane strain and plane stress N/m); `tracking_error`: L2 norm of y − y_d at `time`, m^5/2 (in plane
+/// strain and plane stress m²), unused without that column.
 void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
                    const diagnostics::StepBalance& balance, const diagnostics::Invariants& invariants,
                    const contact::ContactState& contact, double normal_force, double tracking_error);

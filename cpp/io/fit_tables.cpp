@@ -21,24 +21,30 @@ void require_within(const control::Data& data, double end, const std::string& hi
                                   t, end, hint));
 }
 
-/// Units that a measured quantity may have.
-std::vector<std::string> units(scene::Quantity of) {
+/// Unit that a measured quantity may have. `depth`: scene::per_depth(); forces per metre may be given as
+/// forces of a slice 1 m deep.
+std::vector<std::string> units(scene::Quantity of, const std::string& depth) {
+  const auto per_depth = [&](const std::string& unit) {
+    return depth.empty() ? std::vector{unit} : std::vector{unit, unit + depth};
+  };
   switch (of) {
   case scene::Quantity::displacement:
     return {"m"};
   case scene::Quantity::velocity:
     return {"m/s"};
   case scene::Quantity::force:
-    return {"N", "N/m"}; // in the plane
+    return per_depth("N");
   case scene::Quantity::impulse:
-    return {"N s", "N s/m"};
+    return per_depth("N s");
   default: // of the whole contact, in no table
     return {};
   }
 }
 
-control::Data data_of(const scene::Measurement& measurement, const std::string& text, double end) {
-  const scene::TableColumn given = scene::read_column(text, measurement.column, units(measurement.of));
+control::Data data_of(const scene::Measurement& measurement, const std::string& text, double end,
+                      const std::string& depth) {
+  const std::vector<std::string> allowed = units(measurement.of, depth);
+  const scene::TableColumn given = scene::read_column(text, measurement.column, allowed);
   control::Data data{.times = given.times,
                      .values = given.values,
                      .deviations = {},
@@ -57,7 +63,7 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
   } else {
     if (!scene::has_column(text, column))
       throw UserError("found no column \"deviation\"; add one, or the key deviation or noise");
-    const scene::TableColumn deviations = scene::read_column(text, column, units(measurement.of));
+    const scene::TableColumn deviations = scene::read_column(text, column, allowed);
     if (deviations.name == column && given.factor != 1)
       throw UserError(fmt::format(
           "found \"{0}\" without a unit, but \"{1}\" with one; name the former \"{0}{2}\", or add its actual "
@@ -73,6 +79,8 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
 } // namespace
 
 std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
+  // A scene does not state its dimension; in space "N/m" is accepted, too.
+  const std::string depth = scene.mesh.per_depth(2);
   std::vector<control::Data> all;
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
     const scene::Measurement& measurement = scene.measurements[i];
@@ -91,7 +99,7 @@ std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
     });
     text = broadcast(comm, text);
     try {
-      all.back() = data_of(measurement, text, scene.time.end);
+      all.back() = data_of(measurement, text, scene.time.end, depth);
       for (scene::TableWarning& warning : all.back().warnings)
         warning.message = fmt::format("{}: {}: {}", key, measurement.file->string(), warning.message);
     } catch (const UserError& error) {

@@ -40,7 +40,7 @@ public:
   /// Space dimension.
   [[nodiscard]] int dim() const { return dim_; }
 
-  /// What a body in the plane stands for; without meaning in space.
+  /// Model of a body in the plane; without meaning in space.
   [[nodiscard]] scene::PlaneModel model() const { return model_; }
   /// Whether the mesh is the half section of a body of revolution, x ≥ 0. The axis is x = 0.
   [[nodiscard]] bool axisymmetric() const { return model_ == scene::PlaneModel::axisymmetric; }

@@ -56,6 +56,7 @@ toml::table parsed(const std::string& scene) {
 std::map<std::string, std::string> posed(const std::string& scene, Part besides) {
   std::map<std::string, std::string> values;
   flatten(parsed(scene), "", values);
+  values.try_emplace("mesh.model", "\"plane-strain\""); // the default
   std::erase_if(values, [&](const auto& entry) { return !matters(entry.first, besides); });
   return values;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/expression.h"
+#include "scene/parameters.h"
 #include "scene/rules.h"
 #include <algorithm>
 #include <cmath>
@@ -42,8 +44,13 @@ void require_rules(Reader& in, const Ball& ball, const Scene& scene) {
 }
 
 void require_model(const Reader& in, const Cylinder& cylinder, const Scene& scene) {
-  if (scene.mesh.axisymmetric())
-    require_on_axis(in, "point", cylinder.point, centred);
+  if (!scene.mesh.axisymmetric())
+    return;
+  require_on_axis(in, "point", cylinder.point, centred);
+  if (Field(cylinder.point, "point", true).depends_on_time())
+    in.fail("point",
+            "depends on t; in axial symmetry a cylinder is a tube around the axis, whose radius alone can "
+            "change");
 }
 
 void require_rules(Reader& in, const Load& load, const Scene& scene) {
@@ -54,7 +61,7 @@ void require_rules(Reader& in, const Load& load, const Scene& scene) {
 void require_model(const Reader& in, const Material& material, const Scene& scene) {
   if (scene.mesh.model != PlaneModel::plane_stress)
     return;
-  // Only then do strains across the plate and in the plane keep a constant ratio.
+  // Otherwise the ratio of the strain across the plate to those in the plane would vary with time.
   const ElasticModuli moduli = material.given();
   if (const auto& viscosity = material.viscosity;
       viscosity && !equal(viscosity->bulk * moduli.shear, viscosity->shear * moduli.bulk))
@@ -78,6 +85,16 @@ void require_model(const Reader& in, const Unknown& unknown, const Scene& scene)
     if (unknown.of == Parameter::angle)
       in.fail("of",
               "found \"angle\"; in axial symmetry an obstacle cannot be tilted, so choose another unknown");
+    const bool tube = unknown.of == Parameter::center && !scene.contacts.empty() &&
+                      std::holds_alternative<Cylinder>(scene.contacts[contact_of(scene, unknown)].obstacle);
+    if (tube)
+      in.fail("of",
+              "found \"center\" of a cylinder; in axial symmetry it is a tube around the axis, of which only "
+              "the radius is a parameter");
+    const bool field = unknown.of == Parameter::velocity || unknown.of == Parameter::displacement;
+    if (field && unknown.component == Component::x)
+      in.fail("component",
+              "found x, the radius, along which a body of revolution does not move as a whole; use \"y\"");
     if (unknown.of == Parameter::center && unknown.component == Component::x)
       in.fail("component",
               "found x, the radius; in axial symmetry a centre is on the axis, x = 0. Use \"y\"");
@@ -99,6 +116,10 @@ void require_model(const Reader& in, const Unknown& unknown, const Scene& scene)
 }
 
 void require_model(const Reader& in, const Measurement& measurement, const Scene& scene) {
+  if (scene.mesh.axisymmetric() && measurement.point && measurement.point->front() == 0 &&
+      measurement.component == Component::x)
+    in.fail("component",
+            "found x, the radius, at a point on the axis, which does not move radially; use \"y\"");
   const bool resultant = measurement.of == Quantity::force || measurement.of == Quantity::impulse;
   if (scene.mesh.axisymmetric() && resultant && measurement.component == Component::x)
     in.fail("component",

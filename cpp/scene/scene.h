@@ -81,7 +81,7 @@ struct Traction {
 /// One table [[load.point]].
 struct PointForce {
   std::vector<double> at; ///< point of the undeformed body at which there is a node, m
-  Components value;       ///< force, N (in the plane N/m), as expressions in t
+  Components value;       ///< force, N (plane strain, plane stress: N/m), as expressions in t
 };
 
 /// Table [load].
@@ -220,12 +220,13 @@ struct Run {
   [[nodiscard]] bool watched() const { return invariants != OnViolation::off; }
 };
 
-/// Table [exact]: known values of the solution, from which errors are computed.
+/// Table [exact]: known values of the solution, from which errors are computed. In plane strain and plane
+/// stress the impulse and the force are per metre of depth.
 struct Exact {
   std::optional<Components> displacement; ///< m, as expressions in x, y, z, t
   std::optional<std::string> pressure;    ///< contact pressure at time.end, N/m², as expression in x, y, z
-  std::optional<double> impulse;          ///< modulus of the total impulse of contact forces, N s (2D: N s/m)
-  std::optional<double> peak_force;       ///< largest modulus of the resultant contact force, N (2D: N/m)
+  std::optional<double> impulse;          ///< modulus of the total impulse of contact forces, N s or N s/m
+  std::optional<double> peak_force;       ///< largest modulus of the resultant contact force, N or N/m
   std::optional<double> contact_start;    ///< time of first contact, s
   std::optional<double> contact_time;     ///< total duration of contact, s
 };

@@ -269,9 +269,10 @@ Keys<PointForce> keys_of(Of<PointForce>) {
       required("at", &PointForce::at, Numbers{}, "m",
                "point of the undeformed body at which there is a node; each force is a table "
                "`[[load.point]]`"),
-      required("value", &PointForce::value, Point{}, "N",
-               "force, as expressions in t; in the plane N/m. The displacement of its node depends on the "
-               "mesh")};
+      required(
+          "value", &PointForce::value, Point{}, "N",
+          "force, as expressions in t; in plane strain and plane stress N/m. The displacement of its node "
+          "depends on the mesh")};
 }
 
 Keys<Load> keys_of(Of<Load>) {
@@ -554,9 +555,9 @@ Keys<Exact> keys_of(Of<Exact>) {
       value("pressure", &Exact::pressure, Formula{{}, false}, "N/m²",
             "exact pressure on the contact surface at `time.end`", {.part = Part::measurement}),
       value("impulse", &Exact::impulse, Number{above_zero}, "N s",
-            "exact modulus of the impulse of all contact forces (in the plane N s/m)"),
+            "exact modulus of the impulse of all contact forces; in plane strain and plane stress N s/m"),
       value("peak_force", &Exact::peak_force, Number{above_zero}, "N",
-            "exact largest modulus of the resultant contact force (in the plane N/m)"),
+            "exact largest modulus of the resultant contact force; in plane strain and plane stress N/m"),
       value("contact_start", &Exact::contact_start, Number{above_zero}, "s",
             "exact start of the first contact"),
       value("contact_time", &Exact::contact_time, Number{above_zero}, "s", "exact total time in contact")};

@@ -18,7 +18,8 @@ public:
   PointForce& operator=(const PointForce&) = delete;
 
   [[nodiscard]] const fem::TimeProfile& profile() const { return profile_; }
-  /// Adds the mean force over the step, N (in the plane N/m), to `sum`. Collective.
+  /// Adds the mean force over the step, N (in plane strain and plane stress N/m), to `sum`.
+  /// Collective.
   void add(const TimeStep& step, Vec sum) const;
 
 private:

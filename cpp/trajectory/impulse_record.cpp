@@ -52,7 +52,8 @@ double ImpulseRecord::duration() const {
 ImpulseRecord::Mean ImpulseRecord::largest_mean(double window) const {
   Mean most{.over = window};
   for (std::size_t i = 1; i < times_.size(); ++i) {
-    const double length = std::max(window, lengths_[i] + lengths_[i - 1]);
+    const double before = lengths_[i > 1 ? i - 1 : i]; // of a motion that begins in contact, too
+    const double length = std::max(window, lengths_[i] + before);
     const double force = (sums_[i] - until(times_[i] - length)) / length;
     if (force > most.force)
       most = {force, length, times_[i]};

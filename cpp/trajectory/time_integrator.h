@@ -100,7 +100,7 @@ struct Frame {
   const contact::ContactState& contact;
   bool last; ///< whether this is the last frame
 
-  /// Returns the sum of the candidates' normal forces in the step, N (in 2D N/m).
+  /// Returns the sum of the candidates' normal forces in the step, N (in plane strain and plane stress N/m).
   [[nodiscard]] double normal_force() const {
     double sum = 0;
     for (const double lambda : contact.normal_lambda())

@@ -73,7 +73,10 @@ def branches(*fractions: tuple[float, float]) -> str:
     return "".join(f"[[material.prony]]\ng = {g}\nk = {k}\ntime = {10.0**-(4 - i)}\n" for i, (g, k) in enumerate(fractions))
 
 
+SECTION = BODY.replace("half-disc.geo", "half-ball-section.geo")
 EFFECTS = {
+    "half section": {"body": SECTION},
+    "half section, revolved": {"body": SECTION.replace("size =", 'model = "axisymmetric"\nsize =')},
     "elastic body": {"body": BODY},
     "+ viscosity": {"viscosity": "viscosity = { bulk = 1e4, shear = 1e4 }\n"},
     "+ contact never touched": {"contact": OBSTACLE.format(height=-100)},

@@ -17,11 +17,13 @@ CASES = {
     "cells": {"control__space": "cellwise"},
     "a surface, intervals": {"control__on": "contact", "control__step": 2.5e-4, "control__components": ["y"],
                              "control__initial": ["0", "-30"]},
+    "a half section": {"mesh__file": "../meshes/half-ball-section.geo", "mesh__model": "axisymmetric"},
+    "a plate": {"mesh__model": "plane-stress", "material__viscosity": {"bulk": 13e4 / 6, "shear": 1e4}},
 }  # fmt: skip
 one_rank = pytest.mark.skipif(signorini.ranks > 1, reason="the other cases are those to which ranks matter")
 
 
-@pytest.fixture(scope="module", params=[pytest.param(name, marks=[one_rank] * (name in ("bounded", "cells"))) for name in CASES])
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=[one_rank] * (name in ("bounded", "cells", "a plate"))) for name in CASES])
 def name(request: pytest.FixtureRequest) -> str:
     return request.param
 

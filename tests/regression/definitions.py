@@ -248,6 +248,13 @@ def test_error_of_a_field_is_relative_to_its_norm(tmp_path: Path) -> None:
     assert rows(tmp_path, flight, "--steps", "0.1", "--quantity", "displacement")["displacement_error"] == exactly(np.array([0.2]))
 
 
+def test_error_of_a_field_in_axial_symmetry_is_over_the_whole_body(tmp_path: Path) -> None:
+    """The error t x in -t (1 + x), with the weight x of the integrals: 1/4 over 17/12."""
+    flight = CONTACT.replace("-0.1", "-9") + '[exact]\ndisplacement = ["0", "-t*(1 + x)"]\n'
+    found = rows(tmp_path, flight, "--steps", "0.1", "--quantity", "displacement", "--set", "mesh.model=axisymmetric")
+    assert found["displacement_error"] == exactly(np.array([np.sqrt(3 / 17)]))
+
+
 def test_error_of_a_number_is_relative_to_its_value(tmp_path: Path) -> None:
     """The error of energy_loss, of which none is exact, is a plain difference."""
     text = CONTACT.replace("-0.1", "-0.12") + "[exact]\nimpulse = 2\n"

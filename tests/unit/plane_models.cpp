@@ -44,7 +44,7 @@ TEST_CASE("a square section is a cylinder in axial symmetry", "[fem]") {
         Approx(pi * ((0.05 - 2 * 0.05 / 3) * trace * trace + 2 * 0.05 * squares)).epsilon(1e-13));
 }
 
-TEST_CASE("the axis stays where it is", "[fem]") {
+TEST_CASE("nodes on the axis do not move radially", "[fem]") {
   const int degree = GENERATE(1, 2);
   CAPTURE(degree);
   const Body body(block, degree, {axisymmetric, flat});
@@ -174,7 +174,7 @@ TEST_CASE("in degree 2 the axis has no candidate", "[contact]") {
   CHECK((pairs.points()[0] == 0) == linear);
 }
 
-TEST_CASE("what axial symmetry cannot have is refused", "[fem]") {
+TEST_CASE("scenes without axial symmetry are refused", "[fem]") {
   CHECK_THROWS_WITH(Body(block, 1, {axisymmetric, flat, "foundation=[{on=\"left\", stiffness={normal=3}}]"}),
                     ContainsSubstring("foundation[0].on: found \"left\", a group on the axis"));
   CHECK_THROWS_WITH(

@@ -228,7 +228,12 @@ TEST_CASE("sample points are told apart by the base mesh, its groups and the end
 }
 
 TEST_CASE("forms are told apart by dimension and degree", "[study]") {
-  CHECK(fem::forms_digest(2, 1) == fem::forms_digest(2, 1));
-  CHECK(fem::forms_digest(2, 1) != fem::forms_digest(2, 2));
-  CHECK(fem::forms_digest(2, 1) != fem::forms_digest(3, 1));
+  CHECK(fem::forms_digest(2, 1, scene::PlaneModel::plane_strain) ==
+        fem::forms_digest(2, 1, scene::PlaneModel::plane_strain));
+  CHECK(fem::forms_digest(2, 1, scene::PlaneModel::plane_strain) !=
+        fem::forms_digest(2, 2, scene::PlaneModel::plane_strain));
+  CHECK(fem::forms_digest(2, 1, scene::PlaneModel::plane_strain) !=
+        fem::forms_digest(2, 1, scene::PlaneModel::axisymmetric));
+  CHECK(fem::forms_digest(2, 1, scene::PlaneModel::plane_strain) !=
+        fem::forms_digest(3, 1, scene::PlaneModel::plane_strain));
 }

@@ -11,6 +11,7 @@ using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("work that is rounding is no part of the account", "[io]") {
   io::Manifest m;
+  m.body.per_depth = "/m";
   diagnostics::EnergyAccount& energy = m.energy.emplace();
   energy.kinetic_at_start = 2, energy.load_work = 0.5, energy.contact_work = 7.389e-42;
   energy.other_work = -0.25, energy.viscous_dissipation = 1, energy.kinetic_at_end = 1,
@@ -25,6 +26,7 @@ TEST_CASE("work that is rounding is no part of the account", "[io]") {
 
 TEST_CASE("energy and dissipation of branches are named in the account", "[io]") {
   io::Manifest m;
+  m.body.per_depth = "/m";
   diagnostics::EnergyAccount& energy = m.energy.emplace();
   energy.kinetic_at_start = 2, energy.relaxation_dissipation = 0.5, energy.kinetic_at_end = 1,
   energy.elastic_at_end = 0.25, energy.relaxation_at_end = 0.25;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Effectivity of the estimate of J's error: estimate over true error, signs included, between 0.5 and 2 in nine of ten runs.
 
-Scenes that differ in physics: a half disc, also as half section of a ball and as plate, pushed onto a plane that rests or moves; a block with a bumpy initial velocity, clamped
+Scenes that differ in physics: a half disc, also as half section of a ball, on springs and as plate, pushed onto a plane that rests or moves; a block with a bumpy initial velocity, clamped
 or thrown onto a tilted plane; a cube whose initial and desired motions are bumpy. A few runs of each, and in the long test 100. A
 block without bumps that hits with a corner is not among them: there the error is that of a point contact, which the estimate
 does not see. The true error is that to J of functions of degree 2 on a mesh and with steps much finer, extrapolated from a mesh
@@ -57,6 +57,10 @@ CASES = (
          {"mesh.file": str(SOURCE / "meshes" / "half-ball-section.geo"), "mesh.model": "axisymmetric", "check.control": ["0.02*x", "-0.8"]},
          [((3, 2, 1.5, 1), (2e-4, 1e-4), ALL[:1]), ((1.5, 1), (1e-4,), ALL[1:])],
          ((3, 2, 1.5), (2e-4,), ALL[:1]), (0.35, 2.5e-5), (0.75, 1e-4)),
+    Case("half disc on springs", "scenes/half-disc.toml",
+         {"check.control": ["0.2+0.02*x", "-0.8"],
+          "foundation": [{"on": "side", "stiffness": {"normal": 1e6, "tangential": 1e6}, "damping": {"normal": 1e3}}]},
+         [((3, 2, 1.5, 1), (2e-4,), ALL[:1])], ((3, 2), (2e-4,), ALL[:1]), (0.35, 2.5e-5), (0.75, 1e-4)),
     Case("plate", "scenes/half-disc.toml",
          {"mesh.model": "plane-stress", "check.control": ["0.2+0.02*x", "-0.8"], "material.viscosity": {"bulk": 13e4 / 6, "shear": 1e4}},
          [((3, 2, 1.5, 1), (2e-4,), ALL[:1])], ((3, 2), (2e-4,), ALL[:1]), (0.35, 2.5e-5), (0.75, 1e-4)),

@@ -98,13 +98,16 @@ def test_buffer(out: Path, tmp_path: Path) -> None:
 
     signorini("optimize", SCENES / "buffer.toml", out)
     best = float(np.atleast_1d(table(out / "parameters.csv")["value"])[0])
-    least, first = restitution(best), restitution(5e-5)
+    first, least = restitution(5e-5), restitution(best)
     # The loss tangent of the branch is largest at ω τ = √(1 − g), ω that of half a swing in the time of contact.
-    swing = np.pi / manifest(tmp_path / "drop")["impact"]["all"]["contact_time"]
+    impact = manifest(tmp_path / "drop")["impact"]
+    swing = np.pi / impact["all"]["contact_time"]
     print(f"relaxation time {best:.4g} s, restitution {least:.4f} (first {first:.4f}), ω τ/√(1 − g) {best * swing / np.sqrt(0.4):.3f}")
     assert not warnings(tmp_path / "drop") - {"stress of the mesh"}
     assert least < restitution(best / 2) and least < restitution(2 * best)
     assert first > 0.8 and least < 0.6
+    assert best * swing / np.sqrt(0.4) == pytest.approx(1, abs=0.1)
+    assert impact["all"]["sustained_over"] >= 2 * 5e-5 * (1 - 1e-9), "a mean over one step"
 
 
 def test_block(out: Path) -> None:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad models of bodies in the plane, and what a model excludes."""
+"""Bad models of bodies in the plane, and scenes that a model excludes."""
 
-from case import GROUPS, LINE, SIDE, TO_SPACE, Case, Expected, cube2, msh2, square_elements, square_points
+from pathlib import Path
+
+from case import GROUPS, LINE, SIDE, TO_SPACE, Case, Expected, cube2, msh2, square_elements, square_points, write
 
 MESH = 'file = "square.msh"'
 AXIS = 5
@@ -39,21 +41,26 @@ def plate(name: str, new: str, *expect: Expected, **more: object) -> Case:
     return model(name, "plane-stress", *expect, edits=((VISCOSITY, new),), at=new, **more)
 
 
-def fit(name: str, which: str, unknown: str, measurement: str, *expect: Expected, **edits: str) -> Case:
-    """A fit of one unknown to one measurement. `edits`: obstacle and viscosity, if they are others."""
+def fit(name: str, which: str, unknown: str, measurement: str, *expect: Expected, obstacle: str = OBSTACLE, viscosity: str = "",
+        **more: object) -> Case:  # fmt: skip
+    """A fit of one unknown to one measurement, with another obstacle and viscosity if they are given."""
     tables = f"every = 1\n\n[[unknown]]\n{unknown}\n[[measurement]]\n{measurement}\n"
-    own = ((OBSTACLE, edits.get("obstacle", OBSTACLE)), (VISCOSITY, edits.get("viscosity", "")))
-    return model(name, which, *expect, edits=(("every = 1", tables), (OBJECTIVE, ""), *own))
+    own = ((OBSTACLE, obstacle), (VISCOSITY, viscosity))
+    return model(name, which, *expect, edits=(("every = 1", tables), (OBJECTIVE, ""), *own), **more)
 
 
 def model_cases() -> list[Case]:
     """Models that a mesh cannot have, and parts of scenes that a model cannot have."""
     ball = '{ shape = "ball", center = [0, -1], radius = 0.5 }'
     tube = '{ shape = "cylinder", point = [0, 0], radius = 2, side = "inside" }'
+    moving = tube.replace("[0, 0]", '[0, "0.1*t"]')
     force = 'of = "force"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1'
     no_area = "a group on the axis, which is inside the body and has no area; choose another group"
     ratio, series = "viscosity = { bulk = 2.16666667e4, shear = 1e4 }", "prony = [{ g = 0.3, k = 0.3, time = 1e-4 }]"
     elsewhere = "Choose another unknown, or use a mesh in space"
+
+    def per_metre(folder: Path) -> None:
+        write(folder / "force.csv", "time,value [N/m]\n0,0\n1e-4,1\n")
 
     def on_axis(name: str, old: str, new: str, key: str, **more: object) -> Case:
         return round_body(f"{name} on the axis", old, new, f'{key}: found "axis", {no_area}', at="", **more)
@@ -81,6 +88,8 @@ def model_cases() -> list[Case]:
                    'contact.obstacle.center: found "t" for x, the radius; expected 0'),
         round_body("tube beside the axis", f"obstacle = {OBSTACLE}", f"obstacle = {tube.replace('[0, 0]', '[0.2, 0]')}",
                    'contact.obstacle.point: found "0.2" for x, the radius; expected 0, since in axial symmetry'),
+        round_body("tube that moves along the axis", f"obstacle = {OBSTACLE}", f"obstacle = {moving}",
+                   "contact.obstacle.point: depends on t; in axial symmetry a cylinder is a tube around the axis"),
         round_body("tube with an axis", f"obstacle = {OBSTACLE}", f"obstacle = {tube.replace(' }', ', axis = [0, 1] }')}",
                    "contact.obstacle.axis: has no effect in axial symmetry, where a cylinder is around the axis y; remove it"),
         round_body("gravity across the axis", 'body = ["0", "-9.81"]', "gravity = [1, -9.81]",
@@ -105,6 +114,14 @@ def model_cases() -> list[Case]:
             'unknown[0].of: found "angle"; in axial symmetry an obstacle cannot be tilted, so choose another unknown'),
         fit("centre across the axis", "axisymmetric", 'of = "center"\ncomponent = "x"', force,
             "unknown[0].component: found x, the radius; in axial symmetry a centre is on the axis", obstacle=ball),
+        *(fit(f"radial {of}", "axisymmetric", f'of = "{of}"\ncomponent = "x"', force,
+              "unknown[0].component: found x, the radius") for of in ("initial.velocity", "initial.displacement")),
+        fit("centre of a tube", "axisymmetric", 'of = "center"\ncomponent = "y"', force,
+            'unknown[0].of: found "center" of a cylinder; in axial symmetry it is a tube around the axis', obstacle=tube),
+        fit("force per metre of a whole body", "axisymmetric", 'of = "young"', force, "measurement[0].file: ", '"value [N/m]"',
+            "cannot be converted to N", verb="optimize", prepare=per_metre),
+        fit("displacement of the axis", "axisymmetric", 'of = "young"', force.replace("force", "displacement", 1) + '\non = "axis"',
+            f'measurement[0].on: found "axis", {no_area}', verb="simulate", options=("--measure",)),
         *(fit(f"radial {of}", "axisymmetric", 'of = "young"', force.replace("force", of, 1).replace('"y"', '"x"'),
               f'measurement[0].component: found x, the radius, along which the {of} around an axis has no resultant; use "y"')
           for of in ("force", "impulse")),

@@ -126,7 +126,8 @@ def rows(markdown: str) -> list[tuple[str, str, str]]:
 def default(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp("default")
     return simulate_in(folder, edited(folder / "default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}],
-                       foundation=[{"on": "top", "stiffness": {}, "damping": {}}], material__rayleigh={},
+                       foundation=[{"on": "top", "stiffness": {"tangential": 1.0}, "damping": {"tangential": 1.0}},
+                                   {"on": "rest", "stiffness": {"normal": 1.0}, "damping": {"normal": 1.0}}], material__rayleigh={},
                        material__prony=[{"k": 0.1, "time": 1.0}, {"g": 0.1, "time": 1.0}], initial__velocity=["0", "0"],
                        contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
                        measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
@@ -170,8 +171,9 @@ def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, c
         if re.fullmatch("`[^`]*`", value):
             own = chosen if name in ("time.tolerance", "time.quantity") else default
             path = re.sub("^(clamp|measurement|foundation|material[.]prony)", r"\1.0", name)
-            # Each branch has a fraction: g has its default in the first branch, k in the second one.
-            echoed = get(own.echo, path.replace("prony.0.k", "prony.1.k").split("."))
+            # Each branch has a fraction: g has its default in the first branch, k in the second one. So have foundations.
+            path = re.sub(r"foundation\.0(\.\w+\.tangential)", r"foundation.1\1", path.replace("prony.0.k", "prony.1.k"))
+            echoed = get(own.echo, path.split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}"
             confirmed += 1
     assert confirmed > 20
