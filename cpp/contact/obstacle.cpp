@@ -106,6 +106,16 @@ double Obstacle::level(const double* x, const Place& place) const {
       shape_);
 }
 
+double Obstacle::depth(const double* x, const Place& place) const {
+  if (keeps_shape())
+    return -level(x, place);
+  try {
+    return -at(x, place).height;
+  } catch (const UserError&) { // the expression is not finite, or its gradient zero
+    return 0;
+  }
+}
+
 std::optional<std::array<std::array<double, 3>, 2>> Obstacle::extent(const Place& place) const {
   if (!radius_)
     return std::nullopt;

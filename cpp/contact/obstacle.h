@@ -51,6 +51,10 @@ public:
   /// for other shapes it is the distance from the surface, m.
   [[nodiscard]] double level(const double* x, const Place& place) const;
 
+  /// Returns how deep the point `x` (3, m) is inside the obstacle, m; not positive outside, and 0 where a
+  /// signed distance is undefined.
+  [[nodiscard]] double depth(const double* x, const Place& place) const;
+
   /// Whether the obstacle moves.
   [[nodiscard]] bool moves() const { return moves_; }
 

@@ -278,7 +278,7 @@ ContactPairs::Depth ContactPairs::deepest_on_axis(Vec y, double t) const {
       const Obstacle& shape = shapes_[static_cast<std::size_t>(node.obstacle)];
       std::array<double, 3> x = node.x;
       x[1] += values[static_cast<std::size_t>(node.local_dof) + 1];
-      if (const double depth = -shape.at(x.data(), shape.place(t)).height; depth > mine[0].depth)
+      if (const double depth = shape.depth(x.data(), shape.place(t)); depth > mine[0].depth)
         mine[0] = {depth, node.obstacle, node.x};
     }
   }

@@ -174,6 +174,20 @@ TEST_CASE("in degree 2 the axis has no candidate", "[contact]") {
   CHECK((pairs.points()[0] == 0) == linear);
 }
 
+TEST_CASE("in degree 2 a node on the axis inside an obstacle is noticed", "[contact]") {
+  const test::Ready ready(block, {axisymmetric, flat, "mesh.degree=2"});
+  const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
+  REQUIRE(pairs.skips_axis());
+  const petsc::Vector down = Body(block, 2, {axisymmetric, flat}).field({"0", "-0.15"});
+  const auto deepest = pairs.deepest_on_axis(down, 0); // the plane is 0.1 m below
+  CHECK(deepest.depth == Approx(0.05).epsilon(1e-12));
+  CHECK(deepest.x == std::array<double, 3>{0, 0, 0});
+  CHECK_THROWS_WITH(contact::place_outside(pairs, down),
+                    ContainsSubstring("on the axis starts 0.05 m inside"));
+  const test::Ready linear(block, {axisymmetric, flat});
+  CHECK_FALSE(linear.problem.stepper.pairs()->skips_axis());
+}
+
 TEST_CASE("scenes without axial symmetry are refused", "[fem]") {
   CHECK_THROWS_WITH(Body(block, 1, {axisymmetric, flat, "foundation=[{on=\"left\", stiffness={normal=3}}]"}),
                     ContainsSubstring("foundation[0].on: found \"left\", a group on the axis"));
