@@ -40,8 +40,9 @@ double least_height(const mesh::Mesh& mesh, std::int32_t cell) {
 std::array<double, 2> wave_speeds(const scene::Material& material, scene::PlaneModel model) {
   const auto [young, nu] = material.instantaneous_constants();
   const double shear = young / (2 * (1 + nu)) / material.density;
-  const double ratio = model == scene::PlaneModel::plane_stress ? 2 / (1 - nu) : 2 * (1 - nu) / (1 - 2 * nu);
-  return {std::sqrt(shear * ratio), std::sqrt(shear)};
+  const double pressure =
+      model == scene::PlaneModel::plane_stress ? shear * 2 / (1 - nu) : shear * 2 * (1 - nu) / (1 - 2 * nu);
+  return {std::sqrt(pressure), std::sqrt(shear)};
 }
 
 double crossing_time(const Space& space, const std::vector<scene::Material>& materials) {
