@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from harness import SOURCE
 
-A = "elasticity = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi))"
+A = "elasticity = depth * ufl.inner(isotropic(in_plane * lmbda, mu, eps(y)), eps(phi))"
 
 
 def run(*command: str) -> str:
