@@ -6,6 +6,7 @@
 #include "fem/deformation.h"
 #include "fem/wave_time.h"
 #include "step/functionals.h"
+#include "step/point_force.h"
 #include "trajectory/approach.h"
 #include <algorithm>
 #include <cmath>
@@ -155,22 +156,18 @@ std::string Plausibility::since(const Worst& worst) {
 
 int Plausibility::forces_on_clamps() const {
   const fem::Space& space = stepper_.space();
-  constexpr double digits = 1e-6; // of the body's diameter, as coordinates are written
-  const auto held = [&](const scene::PointForce& force, int node) {
-    for (std::size_t c = 0; c < force.value.size(); ++c)
-      if (!scene::vanishes({force.value[c]}) && !stepper_.clamped().contains(node, static_cast<int>(c)))
-        return false;
-    return true;
-  };
   int count = 0;
-  for (const scene::PointForce& force : scene_.load->points)
-    for (int node = 0; node < space.owned_nodes(); ++node) {
-      const double* x = &space.points()[3 * static_cast<std::size_t>(node)];
-      double square = 0;
-      for (std::size_t c = 0; c < force.at.size(); ++c)
-        square += (x[c] - force.at[c]) * (x[c] - force.at[c]);
-      count += std::sqrt(square) <= digits * space.mesh().diameter() && held(force, node);
-    }
+  for (std::size_t i = 0; i < scene_.load->points.size(); ++i) {
+    const scene::PointForce& force = scene_.load->points[i];
+    const std::optional<std::size_t> node = step::node_at(space, force.at, fmt::format("load.point[{}]", i));
+    if (!node)
+      continue;
+    bool held = true;
+    for (std::size_t c = 0; c < force.value.size(); ++c)
+      held = held && (scene::vanishes({force.value[c]}) ||
+                      stepper_.clamped().contains(static_cast<int>(*node), static_cast<int>(c)));
+    count += held;
+  }
   MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, space.comm());
   return count;
 }

@@ -42,8 +42,8 @@ Found nodes_at(const fem::Space& space, const std::vector<double>& at) {
   return found;
 }
 
-/// Returns the number of the node at `at` on the rank that owns it, nothing on other ranks. Throws UserError
-/// unless there is exactly one.
+} // namespace
+
 std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<double>& at,
                                    const std::string& key) {
   const Found found = nodes_at(space, at);
@@ -58,6 +58,8 @@ std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<do
                                 key, text(at.data()), found.count));
   return found.own;
 }
+
+namespace {
 
 /// Throws UserError, on every rank, if a force at a node on the axis of a body of revolution has a radial
 /// part.

@@ -7,6 +7,12 @@
 
 namespace signorini::step {
 
+/// Returns the local number of the node at the point `at` (dim, m) on the rank that owns it, nothing on other
+/// ranks. `key`: name of the force's table in messages. Collective. Throws UserError unless there is exactly
+/// one node.
+std::optional<std::size_t> node_at(const fem::Space& space, const std::vector<double>& at,
+                                   const std::string& key);
+
 /// Force of a scene on one node, averaged over a step to the tolerance of fem::TimeProfile.
 class PointForce {
 public:
