@@ -27,6 +27,8 @@ VERBS = {
     "catch": ["optimize"],
     "half-ball": ["simulate", "--set", 'control.initial=["0","0","-1"]'],
     "half-disc": ["optimize", "--set", "optimizer.max_iterations=60"],
+    "incline-hold": ["optimize"],
+    "slider": ["optimize"],
 }
 WIDTH = 560  # pixels
 

@@ -23,61 +23,14 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 PAGES = HERE / "verification"
-sys.path.insert(0, str(HERE.parent / "tests"))
+sys.path[:0] = [str(HERE.parent / "tests"), str(HERE)]
 
 from exact_bar import BOUNCE  # noqa: E402
 from harness import signorini, stored, table, toml  # noqa: E402
 from pressed_disc import hertz, hertz_pressure, pressure  # noqa: E402
 from standard_solid import Solid, at_ends, over_steps  # noqa: E402
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number of a case beside its reference. The tolerance is relative, or absolute where the reference is 0."""
-
-    name: str
-    unit: str
-    reference: float
-    got: float
-    tolerance: float
-
-    @property
-    def deviation(self) -> float:
-        return self.got / self.reference - 1 if self.reference else self.got
-
-    @property
-    def holds(self) -> bool:
-        return abs(self.deviation) <= self.tolerance
-
-    def cells(self) -> list[str]:
-        """The texts of a table: name with unit, reference, got, deviation, tolerance."""
-        name = f"{self.name}, {self.unit}" if self.unit else self.name
-        deviation = f"{100 * self.deviation:+.2g} %" if self.reference else f"{self.deviation:.2g}"
-        tolerance = f"{100 * self.tolerance:g} %" if self.reference else f"{self.tolerance:g}"
-        return [name, f"{self.reference:.5g}", f"{self.got:.5g}", deviation, tolerance]
-
-
-@dataclass(frozen=True)
-class Case:
-    """A page of the manual. `figures` takes the folders of the runs, one for each of `runs`, which are overrides of the scene."""
-
-    name: str
-    title: str
-    problem: str
-    reference: str
-    kind: str
-    tolerance: str
-    figures: Callable[..., list[Figure]]
-    runs: tuple[dict[str, object], ...] = ({},)
-    scene: str = ""  # relative to the pages; else of the case's name
-
-    @property
-    def file(self) -> str:
-        return self.scene or f"{self.name}.toml"
-
-
-def impact(out: Path) -> dict:
-    return json.loads((out / "run.json").read_text())["impact"]["all"]
+from verification_case import Case, Figure, impact  # noqa: E402
+from verification_friction import CASES as WITH_FRICTION  # noqa: E402
 
 
 def mean_force(out: Path, start: float, end: float) -> float:
@@ -789,6 +742,7 @@ CASES = [
         """The jump of the pressure excites waves that the mesh does not resolve. They ripple the displacement by 0.2 %, on finer meshes by
         less. The displacement is twice the mean of its axial component over the half sphere.""",
         cavity),
+    *WITH_FRICTION,
 ]  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Film of the deformed body beside its obstacles: colours show the displacement, arrows the contact forces.
+"""Film of the deformed body beside its obstacles: colours show the displacement, arrows the contact forces, with friction those of
+candidates that stick and that slip in different colours.
 
 A body in space is seen from the side, along the obstacle's plane; of a body of revolution the full section is shown,
 with the contact pressure in place of forces.
@@ -31,6 +32,7 @@ if not __package__:  # called by its file
 
 from . import style
 from .command_line import run_alone
+from .contact_table import OPEN, SLIP, STICK, Contact
 from .files import Unreadable
 from .mesh import Mesh
 from .obstacle_artists import GREY, obstacle_artists
@@ -46,24 +48,40 @@ SMALL = 0.02  # displacements below this part of the body's size are enlarged �
 VISIBLE = 0.05  # … to about this part
 ARROW = 0.15  # longest arrow, as a part of the body's size
 KEY = 0.17  # inches from the axes up to the arrow of the scale
+ARROW_COLOURS = {STICK: style.BLUE, SLIP: style.VERMILION}  # with friction
 SPACING = 0.012  # least distance of arrows, as a part of the body's size
 
 
 @dataclass(frozen=True)
 class Forces:
     """Contact forces, or pressures on a body of revolution: points on which they act (frames × nodes × 2, m), sizes (frames × nodes,
-    `unit`), directions (nodes × 2)."""
+    `unit`), directions (nodes × 2); with friction also the forces along the obstacle (frames × nodes × 2), and numbers of the
+    candidates' motions in MOTION (frames × nodes)."""
 
     points: np.ndarray
     sizes: np.ndarray
     directions: np.ndarray
     unit: str
+    friction: np.ndarray | None = None
+    motion: np.ndarray | None = None
+
+    @property
+    def vectors(self) -> np.ndarray:
+        """Forces as vectors (frames × nodes × 2)."""
+        normal = self.sizes[..., None] * self.directions
+        return normal if self.friction is None else normal + self.friction
+
+    @property
+    def largest(self) -> float:
+        return float(self.sizes.max() if self.friction is None else np.linalg.norm(self.vectors, axis=2).max())
 
     def mirrored(self) -> "Forces":
         """Returns the forces on a half section and on its mirror image."""
         image = np.repeat([False, True], len(self.directions))
+        friction = None if self.friction is None else on_both_sides(np.tile(self.friction, (1, 2, 1)), image)
+        motion = None if self.motion is None else np.tile(self.motion, (1, 2))
         return Forces(on_both_sides(np.tile(self.points, (1, 2, 1)), image), np.tile(self.sizes, (1, 2)),
-                      on_both_sides(np.tile(self.directions, (2, 1)), image), self.unit)  # fmt: skip
+                      on_both_sides(np.tile(self.directions, (2, 1)), image), self.unit, friction, motion)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -89,7 +107,7 @@ def draw(run: RunFolder) -> list[Path]:
     stage = Stage(motion)
     frames = [stage.picture(frame) for frame in range(len(motion.times))]
     name = run.path / "figures" / "animation.gif"
-    paths = [write_gif(frames, name)]
+    paths = [write_gif(frames, name, palette(motion.forces is not None and motion.forces.friction is not None))]
     if shutil.which("ffmpeg"):
         paths.append(write_mp4(frames, name.with_suffix(".mp4")))
     return paths
@@ -146,8 +164,15 @@ def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displ
     every = math.ceil(SPACING * mesh.size / spacing) or 1 if spacing else 1
     # The force of a node of a body of revolution acts on a ring, which is the longer, the farther it is from the axis.
     acting, unit = (contact.pressure, "Pa") if run.axisymmetric else (contact.force, style.per_depth("N", run.whole))
-    return Forces(view.project(points[:, ::every]), frame_means(contact.times, acting, times, stride)[:, ::every],
-                  view.project(contact.normal[::every]), unit)
+    found = Forces(view.project(points[:, ::every]), frame_means(contact.times, acting, times, stride)[:, ::every],
+                   view.project(contact.normal[::every]), unit)  # fmt: skip
+    if contact.friction is None or not contact.friction.force.any():
+        return found
+    along = contact.friction.force
+    if run.axisymmetric:  # a traction, as the pressure is
+        along = along * np.divide(contact.pressure, contact.force, out=np.zeros_like(contact.force), where=contact.force > 0)[..., None]
+    friction = view.project(frame_means(contact.times, along, times, stride)[:, ::every])
+    return replace(found, friction=friction, motion=last_motion(contact, times, stride)[:, ::every])
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
@@ -168,9 +193,23 @@ def frame_means(stored: np.ndarray, forces: np.ndarray, times: np.ndarray, strid
 
     Means take at least two steps: single forces alternate from step to step, and only their mean is meaningful.
     """
+    return np.stack([forces[i: j + 1].mean(axis=0) for i, j in since_last_frame(stored, times, stride)])
+
+
+def since_last_frame(stored: np.ndarray, times: np.ndarray, stride: int) -> list[tuple[int, int]]:
+    """Returns the first and the last of the steps stored (s) that each frame shows."""
     last = [nearest(stored, time) for time in times]
-    first = [max(1, index - max(stride, 2) + 1) for index in last]
-    return np.stack([forces[min(i, j): j + 1].mean(axis=0) for i, j in zip(first, last)])
+    return [(min(max(1, index - max(stride, 2) + 1), index), index) for index in last]
+
+
+def last_motion(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
+    """Returns the numbers in MOTION (frames × candidates) of the last step in contact of those that each frame shows."""
+    motion = contact.friction.motion
+    found = np.stack([motion[j] for _, j in since_last_frame(contact.times, times, stride)])
+    for frame, (first, last) in enumerate(since_last_frame(contact.times, times, stride)):
+        for step in range(last - 1, first - 1, -1):
+            found[frame] = np.where(found[frame] == OPEN, motion[step], found[frame])
+    return found
 
 
 class Stage:
@@ -225,10 +264,11 @@ class Stage:
                 obstacle.place(self.motion.times[frame])
         if self.arrows is not None:
             forces = self.motion.forces
-            force = forces.sizes[frame]
             self.arrows.set_offsets(forces.points[frame])
             # A force of zero would leave a dot.
-            self.arrows.set_UVC(*np.where(force > 0, force, np.nan) * forces.directions.T)
+            self.arrows.set_UVC(*np.where(forces.sizes[frame] > 0, forces.vectors[frame].T, np.nan))
+            if forces.motion is not None:
+                self.arrows.set_color([ARROW_COLOURS.get(motion, "black") for motion in forces.motion[frame]])
 
 
 def scenery(motion: Motion) -> Axes:
@@ -251,8 +291,9 @@ def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         corners = motion.box[[[i >> axis & 1 for axis in range(dim)] for i in range(2**dim)], range(dim)]
         inside.append(motion.view.project(corners))
     if motion.forces is not None and (acting := motion.forces.sizes > 0).any():
-        tails = motion.forces.points - 1.1 * ARROW * size * motion.forces.directions
-        inside.append(tails[acting])
+        forces = motion.forces
+        way = forces.directions if forces.friction is None else forces.vectors / forces.largest
+        inside.append((forces.points - 1.1 * ARROW * size * way)[acting])
     every = np.concatenate(inside)
     return every.min(axis=0) - 0.04 * size, every.max(axis=0) + 0.04 * size
 
@@ -261,33 +302,38 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
     """Adds arrows that end at the nodes in contact, and one in the margin as their scale."""
     if motion.forces is None or not motion.forces.sizes.any():
         return None
-    largest = motion.forces.sizes.max()
+    largest = motion.forces.largest
     arrows = axes.quiver(*motion.forces.points[0].T, *np.zeros_like(motion.forces.points[0]).T, angles="xy",
                          scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
                          color=style.VERMILION, width=0.007)
     key = round_down(largest)
     factor, unit = style.prefixed(key, motion.forces.unit)
     height = axes.get_position().height * axes.figure.get_figheight()
-    axes.quiverkey(arrows, 0.72, 1 + KEY / height, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
+    colour = {} if motion.forces.motion is None else {"color": "black"}
+    axes.quiverkey(arrows, 0.72, 1 + KEY / height, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes", **colour)
+    if motion.forces.motion is not None:
+        for height, number, name in ((-10, STICK, "sticks"), (-25, SLIP, "slips")):
+            axes.annotate(name, (0, 0), (5, height), xycoords=("figure fraction", "axes fraction"), textcoords="offset points",
+                          va="top", fontsize=12, color=ARROW_COLOURS[number])  # fmt: skip
     return arrows
 
 
-def palette() -> Image.Image:
+def palette(friction: bool = False) -> Image.Image:
     """Returns the 256 colours of a GIF: the field's, greys, and the arrows' blended into their background."""
     def blend(start: str, end: str, count: int) -> np.ndarray:
         return np.linspace(to_rgb(start), to_rgb(end), count)
 
     field = colormaps[style.FIELD_COLOURS](np.linspace(0, 1, 160))[:, :3]
     colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILION, GREY, 16),
-                              blend(style.VERMILION, "white", 16)])
+                              blend(style.VERMILION, "white", 16),
+                              *([blend(style.BLUE, GREY, 16), blend(style.BLUE, "white", 16)] if friction else [])])  # fmt: skip
     image = Image.new("P", (1, 1))
     image.putpalette(np.rint(255 * colours).astype(np.uint8).tobytes())
     return image
 
 
-def write_gif(frames: list[Image.Image], path: Path) -> Path:
+def write_gif(frames: list[Image.Image], path: Path, colours: Image.Image) -> Path:
     """Writes all frames with one palette, so that pixels that stay the same cost nothing."""
-    colours = palette()
     indexed = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
     with style.whole_file(path) as partial:
         indexed[0].save(partial, save_all=True, append_images=indexed[1:], duration=FRAME_MILLISECONDS, loop=0,

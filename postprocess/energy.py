@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinetic, elastic and total energy, the potential of the loads and the energy dissipated so far, over time."""
+"""Kinetic, elastic and total energy, the potential of the loads, the energy dissipated so far, and with friction the energy lost to it
+and the work of surfaces that move along themselves, over time."""
 
 import sys
 from pathlib import Path
 
+import numpy as np
 
 if not __package__:  # called by its file
     from as_package import NAME as __package__
 
 from . import style
 from .command_line import run_alone
-from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, works_of_friction
 from .run_folder import RunFolder
 
+FRICTION_LOOKS = {"lost to friction so far": ("lost to friction", style.VERMILION, ":"),
+                  "work of moving surfaces so far": ("moving surfaces", "#CC79A7", "--")}  # fmt: skip
 LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":")}
 
 
@@ -23,7 +27,9 @@ def draw(run: RunFolder) -> list[Path]:
     dissipated, further = dissipated_so_far(steps), further_energies(steps)
     potential = potential_of_loads(steps)
     total = stored_energy(steps) + (0 if potential is None else potential)
-    factor, unit = style.prefixed(max(total.max(), dissipated[-1]), style.per_depth("J", run.whole))
+    friction = works_of_friction(steps)
+    largest = max(total.max(), dissipated[-1], *(np.abs(work).max() for work in friction.values()))
+    factor, unit = style.prefixed(largest, style.per_depth("J", run.whole))
 
     figure, axes = style.graph()
     times = style.time_axis(axes, steps["time"])
@@ -37,9 +43,13 @@ def draw(run: RunFolder) -> list[Path]:
     axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and not further else "sum of these")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
+    for name, work in friction.items():
+        label, color, linestyle = FRICTION_LOOKS[name]
+        axes.plot(times, work * factor, color=color, linestyle=linestyle, label=label)
     style.shade_contact(axes, times, steps["active"])
     axes.set_ylabel(f"energy ({unit})")
-    axes.set_ylim(bottom=0)
+    if all(work.min() >= -1e-9 * largest for work in friction.values()):
+        axes.set_ylim(bottom=0)
     style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "energy.png")]
 

@@ -7,6 +7,7 @@ import numpy as np
 
 Columns = Mapping[str, np.ndarray]
 DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation", "relaxation_dissipation")
+ROUNDING = 1e-12  # relative to the largest energy
 # Columns of energies that only runs with the effect have, and the names of their curves.
 FURTHER = {"foundation_energy": "foundations", "relaxation_energy": "branches"}
 
@@ -24,6 +25,14 @@ def further_energies(steps: Columns) -> dict[str, np.ndarray]:
 def dissipated_so_far(steps: Columns) -> np.ndarray:
     """Returns the energy dissipated until every time step by viscosity, dashpots of foundations, mass damping and relaxation."""
     return np.cumsum(sum(steps[name] for name in DISSIPATION if name in steps))
+
+
+def works_of_friction(steps: Columns) -> dict[str, np.ndarray]:
+    """Returns the energy lost to friction and the work of surfaces that move along themselves until every time step, by the names of
+    their curves; only those that rounding does not explain."""
+    columns = {"lost to friction so far": ("friction_work", -1), "work of moving surfaces so far": ("belt_work", 1)}
+    works = {name: sign * np.cumsum(steps[column]) for name, (column, sign) in columns.items() if column in steps}
+    return {name: work for name, work in works.items() if np.abs(work).max() > ROUNDING * stored_energy(steps).max()}
 
 
 def potential_of_loads(steps: Columns) -> np.ndarray | None:

@@ -15,7 +15,8 @@ from .report_control import components, resultant_of
 from .report_fields import stored_fields
 from .report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
 from .report_run import logarithmic, objective_unit, positive
-from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy
+from .energy_terms import dissipated_so_far, potential_of_loads, stored_energy, works_of_friction
+from .friction_force import component, friction_forces, has_friction
 from .run_folder import RunFolder
 
 ROUNDING = 1e-9  # a relative difference up to this is none
@@ -46,8 +47,9 @@ def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section
     def curves(name: str, title: str, what: str, views: Views) -> list[Chart]:
         return gather(title[0].lower() + title[1:], over_time, runs, labels, name, title, what, views)
 
-    force = [*curves("contact-force", "Contact force, mean of two steps", "contact force", CONTACT),
-             *curves("active", "Candidates in contact", "candidates", ACTIVE)]  # fmt: skip
+    friction = any(has_friction(run) for run in runs)
+    force = [*curves("contact-force", "Contact force, mean of two steps", "contact force", SPLIT if friction else CONTACT),
+             *curves("active", "Candidates in contact", "candidates", MOTIONS if friction else ACTIVE)]  # fmt: skip
     others = [*curves("energies", "Energies", "energy", ENERGIES), *curves("probes", "Probes", "", probes_of(runs))]
     search = [*curves("control-resultant", "Resultant of the control", "force", control_of(runs)),
               *gather("objective", over_iterations, runs, labels, "objective", "Objective"),
@@ -150,6 +152,16 @@ def mean_force(run: RunFolder) -> Curve:
     return run.steps["time"][1:-1], (force[2:] + force[1:-1]) / 2
 
 
+def mean_friction(run: RunFolder) -> Curve:
+    """Returns the mean friction force of each two neighbouring steps: in the plane the sum along the obstacles' tangents, in space the
+    modulus of the sum."""
+    forces = friction_forces(run)
+    if not forces:
+        raise NotInRun("no obstacle has friction")
+    total = sum(force.tangential for force in forces.values())
+    return run.steps["time"][1:-1], component((total[2:] + total[1:-1]) / 2)
+
+
 def touching(run: RunFolder) -> np.ndarray:
     """Returns the numbers of the steps that end in contact, from 0."""
     found = np.flatnonzero(run.steps["active"][1:] > 0)
@@ -206,6 +218,11 @@ MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], st
     "Largest energy in branches": (lambda run: term(run, "relaxation_energy").max(), depth("J")),
     "Dissipated by relaxation": (lambda run: term(run, "relaxation_dissipation").sum(), depth("J")),
     "Work of contact": (lambda run: run.steps["contact_work"].sum(), depth("J")),
+    "Work of friction": (lambda run: term(run, "friction_work").sum(), depth("J")),
+    "Work of moving surfaces": (lambda run: term(run, "belt_work").sum(), depth("J")),
+    "Modulus of the impulse of friction": (lambda run: np.linalg.norm(run.manifest["impact"]["all"]["friction_impulse"]), depth("N s")),
+    "Most candidates that slip": (lambda run: term(run, "slip").max(), fixed("")),
+    "Most candidates that stick": (lambda run: term(run, "stick").max(), fixed("")),
     "Unknowns": (lambda run: run.manifest["unknowns"], fixed("")),
     "Steps": (lambda run: run.manifest["steps"]["done"], fixed("")),
     "Peak memory": (lambda run: run.manifest["peak_memory_bytes"], fixed("B")),
@@ -227,15 +244,30 @@ def potential(run: RunFolder) -> Curve:
     return run.steps["time"], values
 
 
+def work_of(name: str) -> Callable[[RunFolder], Curve]:
+    """Returns the function of a work of friction; it raises NotInRun without one."""
+    def curve(run: RunFolder) -> Curve:
+        if (work := works_of_friction(run.steps).get(name)) is None:
+            raise NotInRun("the run has no such work")
+        return run.steps["time"], work
+
+    return curve
+
+
 Views = dict[str, tuple[Callable[[RunFolder], Curve], Callable[[RunFolder], str]]]
 CONTACT: Views = {"": (mean_force, depth("N"))}
+SPLIT: Views = {"normal": (mean_force, depth("N")), "friction": (mean_friction, depth("N"))}
 ACTIVE: Views = {"": (lambda run: (run.steps["time"], run.steps["active"]), fixed(""))}
+MOTIONS: Views = {"in contact": ACTIVE[""]} | {
+    name: (lambda run, name=name: (run.steps["time"], term(run, name)), fixed("")) for name in ("slip", "stick")}  # fmt: skip
 ENERGIES: Views = {
     "kinetic + elastic + potential of the loads": (sum_of_energies, depth("J")),
     "kinetic": (energy("kinetic_energy"), depth("J")),
     "elastic": (energy("elastic_energy"), depth("J")),
     "potential of the loads": (potential, depth("J")),
     "dissipated so far": (lambda run: (run.steps["time"], dissipated_so_far(run.steps)), depth("J")),
+    "lost to friction so far": (work_of("lost to friction so far"), depth("J")),
+    "work of moving surfaces so far": (work_of("work of moving surfaces so far"), depth("J")),
 }
 
 

@@ -7,9 +7,11 @@ import numpy as np
 
 from . import style
 from .boundary import Arc, arc_of
+from .contact_table import Contact
 from .files import NotInRun
+from .report_friction import SPLIT, force_views, friction_note, motion_map
 from .report_parts import GREY, Chart, figure, line, packed, time_axis
-from .run_folder import Contact, RunFolder
+from .run_folder import RunFolder
 
 MOST_COLUMNS = 400  # times in a map of the contact surface
 RINGS = 40  # distances in such a map of a body in space
@@ -17,6 +19,7 @@ MOST_CURVES = 6
 COLOURS = [style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
 DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"]
 FROM_ZERO = {"rangemode": "tozero"}
+SIGNED = "friction", "slip velocity"
 ALTERNATE = "Forces of single contact-implicit steps alternate about the true force; the mean of two steps converges to it."
 WITHIN = "Each force acts during its whole step and is drawn at the middle of the step."
 
@@ -42,6 +45,11 @@ def contact_force(run: RunFolder) -> Chart:
             views |= {name: force_over_time(run, force, "normal contact force", unit) for name, force in own.items()}
     note = " ".join([ALTERNATE] * (run.scene["time"]["scheme"] == "contact-implicit") + [WITHIN]
                     + ["For several obstacles, the moduli of their forces are added."] * (len(views) > 1))  # fmt: skip
+    if split := force_views(run):
+        several = len(run.obstacle_names) > 1
+        views = {f"{name}: {SPLIT}" if several else SPLIT: view for name, view in split.items()} | (
+            views if several else {"normal force of each step": everything})  # fmt: skip
+        note += f" {friction_note(run)}"
     return Chart("contact-force", "Contact force over time", views, note)
 
 
@@ -149,11 +157,19 @@ def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, d
     """Makes the views, first the means of two steps, which mean more than single steps. Parts that never touch are out of sight at first."""
     times, views, axis = contact.times, {}, {"range": touched(contact, place)}
     values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.whole))}
+    if contact.friction is not None:
+        values["friction"] = contact.tangential_force, style.per_depth("N", run.whole)
     for what, (of, unit) in values.items():
         if run.stores_every_step and len(times) > 2:
             views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)
         # Forces act in the step that ends at a stored time.
         views[f"{what} of each step"] = surface_map(run.middles(times[1:]), place, of[1:], unit, what, axis)
+    if contact.friction is not None:
+        middles, slip = run.middles(times[1:]), contact.slip_velocity[1:]
+        views["slip velocity"] = surface_map(middles, place, slip, "m/s", "slip velocity", axis)
+        every = -(-len(middles) // MOST_COLUMNS)
+        motion = rows_of(place, contact.friction.motion[1::every].astype(float), "motion")
+        views["stick and slip"] = motion_map(middles[::every], place.edges, motion, place.title, axis)
     views["gap"] = surface_map(times, place, contact.gap, "m", "gap", axis)
     return views
 
@@ -168,8 +184,9 @@ def touched(contact: Contact, place: Place) -> list[float]:
 
 
 def rows_of(place: Place, values: np.ndarray, what: str) -> np.ndarray:
-    """Arranges values (times × candidates) in the rows of a map (rows × times): the largest or, of gaps, the least; NaN without any."""
-    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
+    """Arranges values (times × candidates) in the rows of a map (rows × times): the largest or, of gaps, the least of those that are
+    numbers; NaN without any."""
+    extreme, start = (np.fmin, np.inf) if what == "gap" else (np.fmax, -np.inf)
     shown = np.full((len(place.edges) - 1, len(values)), start)
     extreme.at(shown, place.rows, values.T)
     shown[~np.isfinite(shown)] = np.nan
@@ -180,9 +197,12 @@ def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, 
     """Makes a view of values (times × candidates) by colours over time and place: the largest value or the least gap there."""
     every = -(-len(times) // MOST_COLUMNS)
     shown = rows_of(place, values[::every], what)
-    factor, unit = style.prefixed(np.nanmax(np.abs(shown)), unit)
+    factor, unit = style.prefixed(np.nanmax(np.abs(shown), initial=0), unit)
     times, title = time_axis(times[::every])
     colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, float(np.nanmin(shown)) * factor)}
+    if what in SIGNED and np.nanmin(shown, initial=0) < 0:
+        far = float(np.nanmax(np.abs(shown))) * factor
+        colours = {"colorscale": "RdBu", "zmin": -far, "zmax": far}
     return figure([heatmap(times, place.edges, shown * factor, what, unit) | colours], title, place.title, yaxis=axis)
 
 

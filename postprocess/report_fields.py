@@ -11,7 +11,7 @@ from .mesh import Mesh, Series
 from .run_folder import RunFolder, nearest
 
 VECTORS = {"displacement": ("state.xdmf", "m"), "velocity": ("state.xdmf", "m/s"), "control": ("control.xdmf", "× control.scale"),
-           "adjoint": ("adjoint.xdmf", "")}  # fmt: skip
+           "adjoint": ("adjoint.xdmf", ""), "friction": ("state.xdmf", "Pa")}  # fmt: skip
 SCALARS = {"von_mises": ("von Mises stress", "Pa"), "pressure": ("contact pressure", "Pa")}
 TENSORS = {"stress": "Pa", "strain": ""}
 
@@ -43,7 +43,8 @@ class Field:
 
 def stored_fields(run: RunFolder) -> list[Field]:
     """Returns all fields of state.xdmf, control.xdmf and adjoint.xdmf."""
-    return [*vectors(run, "displacement", "velocity"), *scalars(run), *tensors(run), *vectors(run, "control", "adjoint")]
+    return [*vectors(run, "displacement", "velocity"), *scalars(run), *vectors(run, "friction"), *tensors(run),
+            *vectors(run, "control", "adjoint")]  # fmt: skip
 
 
 def vectors(run: RunFolder, *names: str) -> Iterator[Field]:

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from .friction_force import coefficients
 from .report_parts import Table, quantity
 from .run_folder import RunFolder
 from .style import per_depth, prefixed
@@ -21,7 +22,7 @@ def impact(run: RunFolder) -> list[Table]:
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
         title += " ∗: as contact begins, before a wave has crossed the body."
     head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant impulse", "Sustained peak", "Peak of two steps †"]
-    tables = [Table(title, head, rows)]
+    tables = [Table(title, head, rows), *friction_impulses(run, given)]
     if given["velocity_before"]:
         body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.whole))],
                 ["Velocity of the centre of mass before", vector(given["velocity_before"], "m/s")],
@@ -55,6 +56,26 @@ def touch(run: RunFolder, name: str, given: dict) -> list[str]:
             f"{quantity(given['normal_peak'], force)} at {quantity(given['peak_time'], 's')}{' ∗' if given.get('peak_at_onset') else ''}"]  # fmt: skip
 
 
+def friction_impulses(run: RunFolder, given: dict) -> list[Table]:
+    """Makes a table of the impulses along the normals and of friction; none without friction."""
+    known, unit = coefficients(run), per_depth("N s", run.whole)
+    touched = [one for one in given["obstacles"] if one["name"] in known and one["contact_time"] and "friction_impulse" in one]
+    if not touched:
+        return []
+    rows = [[one["name"], "varies" if known[one["name"]] is None else f"{known[one['name']]:g}", quantity(one["normal_impulse"], unit),
+             vector(one["friction_impulse"], unit), ratio(one)] for one in touched]  # fmt: skip
+    title = "Friction. The ratio of both impulses is at most the coefficient, which it equals if all candidates slip in one direction."
+    if run.axisymmetric:
+        title += " Radial forces have no resultant."
+    return [Table(title, ["With friction", "Coefficient", "Normal impulse", "Friction impulse", "Ratio"], rows)]
+
+
+def ratio(given: dict) -> str:
+    """Writes the modulus of the friction impulse divided by the impulse along the normals."""
+    normal = given["normal_impulse"]
+    return f"{float(np.linalg.norm(given['friction_impulse'])) / normal:.4g}" if normal else "–"
+
+
 def vector(components: list[float], unit: str) -> str:
     """Writes a vector's components with one prefix; those within rounding of the largest are 0."""
     parts = np.array(components)
@@ -73,7 +94,7 @@ def energy_account(run: RunFolder) -> list[Table]:
     terms = {"Kinetic and elastic at the start": given["kinetic_at_start"] + given["elastic_at_start"],
              "Springs of foundations at the start": foundation[0],
              "Work of the loads": given["load_work"], "Work of the control and of clamps": given["control_and_clamp_work"],
-             "Work of contact": given["contact_work"], "Dissipated by viscosity": -given["viscous_dissipation"],
+             **contact_works(given), "Dissipated by viscosity": -given["viscous_dissipation"],
              "Dissipated by dashpots of foundations": -given.get("foundation_dissipation", 0),
              "Dissipated by mass damping": -given.get("drag_dissipation", 0),
              "Dissipated by relaxation": -given.get("relaxation_dissipation", 0),
@@ -83,3 +104,13 @@ def energy_account(run: RunFolder) -> list[Table]:
     rounding = 1e-12 * max(abs(value) for value in terms.values())
     rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if abs(value) > rounding or name.startswith("Kinetic")]
     return [Table("Energy account: the last line is the sum of the lines above", ["Energy", unit], rows)]
+
+
+def contact_works(given: dict) -> dict[str, float]:
+    """Returns the work of contact; with friction that along the normals, that of friction by slip, and that of surfaces that move along
+    themselves."""
+    if "friction_work" not in given:
+        return {"Work of contact": given["contact_work"]}
+    friction, belts = given["friction_work"], given["belt_work"]
+    return {"Work of contact along the normals": given["contact_work"] - friction - belts, "Work of friction": friction,
+            "Work of moving surfaces": belts}  # fmt: skip

@@ -143,7 +143,7 @@ function arrowsOf(field, dim) {
 function bodyOf(motion) {
   const { position, colours } = framesOf(motion), faces = columns(motion.faces, 3), edges = numbers(motion.edges);
   const cut = motion.cut && columns(motion.cut.faces, 3);
-  const touching = motion.touching && { nodes: numbers(motion.touching.nodes), on: numbers(motion.touching.on) };
+  const touching = motion.touching && { ...motion.touching, nodes: numbers(motion.touching.nodes), on: numbers(motion.touching.on) };
   const obstacles = motion.obstacles.map((obstacle) => obstacleOf(obstacle, motion.dim));
   const ribbons = motion.fields.map((field) => field.edges && { edges: numbers(field.edges), arrows: arrowsOf(field, motion.dim) });
   const body = { type: "mesh3d", hovertemplate: "%{intensity:.3g}<extra></extra>", ...(motion.dim === 2 ? FLAT : ROUND),
@@ -151,8 +151,9 @@ function bodyOf(motion) {
       title: { side: "top", text: "" } } };
   const lines = (color, width) => ({ type: "scatter3d", mode: "lines", hoverinfo: "skip", line: { color, width } });
   const outline = lines("#1c2126", 2), ribbon = lines("#1c2126", 9), arrows = lines("#0072b2", 3);
-  const contact = { type: "scatter3d", mode: "markers", hoverinfo: "skip", marker: { color: "#d55e00", size: 4 },
-    ...(touching && { name: "in contact" }) };
+  const looks = touching && touching.marks ? touching.marks : [{ name: touching ? "in contact" : "", color: "#d55e00" }];
+  const contacts = looks.map(({ name, ...look }) => ({ type: "scatter3d", mode: "markers", hoverinfo: "skip", ...(name && { name }),
+    marker: { size: 4, ...look, ...(look.symbol && { size: 6, line: { color: "#1c2126", width: 1 } }) } }));
   const put = (trace, [x, y, z]) => Object.assign(trace, { x, y, z });
 
   const pose = (frame, field, mode) => {
@@ -164,14 +165,17 @@ function bodyOf(motion) {
     // What acts on a plane body's boundary alone is not smeared into it.
     body.intensity = marks && marks.edges.length ? new Float32Array(values.length) : values;
     put(outline, place.map((coordinate) => segments(edges, coordinate)));
-    const on = touching ? touching.nodes.filter((_, i) => touching.on[frame * touching.nodes.length + i]) : [];
-    put(contact, place.map((coordinate) => Array.from(on, (node) => coordinate[node])));
+    contacts.forEach((contact, mark) => {
+      const on = touching ? touching.nodes.filter((_, i) => touching.on[frame * touching.nodes.length + i] === mark + 1) : [];
+      put(contact, place.map((coordinate) => Array.from(on, (node) => coordinate[node])));
+      if (contact.marker.line && motion.dim === 2) contact.z = contact.z.map(() => 1); // above the obstacle
+    });
     put(ribbon, place.map((coordinate) => (marks ? segments(marks.edges, coordinate) : [])));
     Object.assign(ribbon.line, colour, { color: marks ? segments(marks.edges, values).map((value) => value ?? 0) : [] });
     put(arrows, marks ? marks.arrows(frame, place) : [[], [], []]);
     obstacles.forEach((obstacle) => obstacle.place(frame));
   };
-  return { pose, traces: [body, outline, contact, ribbon, arrows, ...obstacles.map(({ trace }) => trace)] };
+  return { pose, traces: [body, outline, ...contacts, ribbon, arrows, ...obstacles.map(({ trace }) => trace)] };
 }
 
 /** Draws one body, or several that the same controls drive. */

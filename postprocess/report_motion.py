@@ -8,6 +8,7 @@ import numpy as np
 
 from . import style
 from .animation import enlargement
+from .contact_table import FREE, SLIP, STICK
 from .files import NotInRun
 from .mesh import Mesh
 from .report_cut import Cut, cut_open
@@ -21,6 +22,10 @@ MOST_NUMBERS = 2_000_000  # in all frames, which then take about 5 MB
 MOST_NODES = 100_000
 MOST_ARROWS = 80
 EYE = np.array([0.9, -1.5, 0.55])  # beside a body that is longer along x
+# Of the numbers in MOTION from 1: colours and shapes differ, and each has a dark rim on any field.
+MARKS = [{"name": "in contact, no friction", "color": "#b4bcc3", "symbol": "circle"},
+         {"name": "sticks", "color": style.SKY, "symbol": "square"},
+         {"name": "slips", "color": style.VERMILION, "symbol": "diamond"}]  # fmt: skip
 ARROW = 0.15  # length of the longest, as a part of the body's size
 
 
@@ -194,12 +199,22 @@ def rounded(values: np.ndarray, kind: str) -> dict:
 
 
 def touching(run: RunFolder, mesh: Mesh, times: np.ndarray) -> dict | None:
-    """Packs the candidates among the mesh's nodes, and flags of those in contact in each frame."""
+    """Packs the candidates among the mesh's nodes, and for each frame which of the marks each has, from 1; 0 if it is not in contact."""
     if not run.has_contact or not run.has_contact_table:
         return None
     contact = run.contact
     candidates = np.array([np.abs(mesh.points - point).max(axis=1).argmin() for point in contact.points])
     # A candidate between two nodes, as elements of second degree have them, has no place in the mesh.
     known = np.abs(mesh.points[candidates] - contact.points).max(axis=1) < 1e-9 * mesh.size
-    state = np.stack([contact.touches[nearest(contact.times, time)][known] for time in times])
-    return {"nodes": packed(candidates[known], "i4"), "on": packed(state, "u1")} if state.any() else None
+    state = contact.touches if contact.friction is None else contact.friction.motion
+    state = np.stack([state[nearest(contact.times, time)][known] for time in times])
+    if not state.any():
+        return None
+    found = {"nodes": packed(candidates[known], "i4"), "on": packed(state, "u1")}
+    return found if contact.friction is None else found | {"marks": marks_of(state)}
+
+
+def marks_of(state: np.ndarray) -> list[dict]:
+    """Returns the marks of candidates with friction in contact, by the numbers in MOTION from 1; those without a name are not used."""
+    used = [number in state for number in (FREE, STICK, SLIP)]
+    return [mark | ({} if on else {"name": ""}) for mark, on in zip(MARKS, used)]

@@ -57,7 +57,7 @@ function sectionAt(motion, copies, turn, back) {
 function touchingCopies(touching, copies, frames) {
   const nodes = numbers(touching.nodes), on = numbers(touching.on), turns = range(copies.turns.length);
   const rows = range(frames).map((frame) => Array.from(on.subarray(frame * nodes.length, (frame + 1) * nodes.length)));
-  return { nodes: Int32Array.from(turns.flatMap((turn) => Array.from(nodes, (node) => copies.number(node, turn)))),
+  return { ...touching, nodes: Int32Array.from(turns.flatMap((turn) => Array.from(nodes, (node) => copies.number(node, turn)))),
     on: Uint8Array.from(rows.flatMap((row) => turns.flatMap(() => row))) };
 }
 

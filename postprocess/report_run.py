@@ -3,11 +3,12 @@
 
 import numpy as np
 
-from . import report_contact, report_control, report_fit, report_motion, report_probes, style
+from . import report_contact, report_control, report_fit, report_friction, report_motion, report_probes, style
 from .files import NotInRun, Table as Columns, whole_text
 from .report_impact import energy_account, impact
 from .report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
-from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, works_of_friction
+from .friction_force import has_friction
 from .run_folder import RunFolder
 
 FROM_ZERO = {"rangemode": "tozero"}
@@ -30,6 +31,7 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     contact = [*gather("contact force", report_contact.contact_force, run),
                *(gather("length of the steps", step_lengths, run) if varying else []),
                *gather("candidates in contact", report_contact.active_candidates, run),
+               *(gather("candidates that slip and stick", report_friction.slip_stick, run) if has_friction(run) else []),
                *gather("contact along the surface", report_contact.contact_surface, run)]  # fmt: skip
     control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
     energy = [*gather("energies", energies, run), *gather("residuals", residuals, run)]
@@ -151,7 +153,9 @@ def energies(run: RunFolder) -> Chart:
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], dissipated_so_far(steps)
     potential, further = potential_of_loads(steps), further_energies(steps)
     whole_energy = stored_energy(steps) + (0 if potential is None else potential)
-    factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.whole))
+    friction = works_of_friction(steps)
+    largest = max(whole_energy.max(), dissipated[-1], *(np.abs(work).max() for work in friction.values()))
+    factor, unit = style.prefixed(largest, style.per_depth("J", run.whole))
     times, title = time_axis(steps["time"])
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
@@ -168,6 +172,8 @@ def energies(run: RunFolder) -> Chart:
         curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
     if dissipated[-1] > 0:
         curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILION, "dashdot"))
+    looks = {"lost to friction so far": (style.VERMILION, "dot"), "work of moving surfaces so far": ("#CC79A7", "dash")}
+    curves += [line(name, times, work * factor, *looks[name]) for name, work in friction.items()]
     view = figure(curves, title, f"energy ({unit})", yaxis=FROM_ZERO)
     return Chart.single("energies", "Energies over time", view, note)
 

@@ -9,70 +9,20 @@ import json
 import tomllib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
+from .contact_table import MOTION, STATUS, Contact, ObstacleSteps, contact_of
 from .files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
 from .mesh import Mesh, Series
 from .obstacles import Obstacle, normals, read_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
 
-STATUS = ["open", "weak", "strong"]  # of a candidate
-
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Contact:
-    """Candidates (points m × dim, m; obstacles m, numbers from 0) at the stored times (s): gap (m), normal force (N or N/m,
-    RunFolder.whole), whether in contact, pressure (N/m²), each times × m; direction of the force (m × dim)."""
-
-    times: np.ndarray
-    points: np.ndarray
-    obstacle: np.ndarray
-    gap: np.ndarray
-    force: np.ndarray
-    touches: np.ndarray
-    normal: np.ndarray
-    pressure: np.ndarray
-
-    @property
-    def most_pushed(self) -> int:
-        """Number of the candidate with the largest force over time; without forces, of the candidate nearest to its obstacle."""
-        total = self.force.sum(axis=0)
-        return int(np.argmax(total) if total.any() else np.argmin(self.gap.min(axis=0)))
-
-    def by_node(self) -> "Contact":
-        """Merges the candidates of each node: forces and pressures are added, and the least gap is taken."""
-        points, first, node = np.unique(self.points, axis=0, return_index=True, return_inverse=True)
-        shape, node = (len(self.times), len(points)), node.ravel()
-        gap, force, pressure, touches = np.full(shape, np.inf), np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
-        np.minimum.at(gap, (slice(None), node), self.gap)
-        np.add.at(force, (slice(None), node), self.force)
-        np.add.at(pressure, (slice(None), node), self.pressure)
-        np.logical_or.at(touches, (slice(None), node), self.touches)
-        return Contact(self.times, points, np.zeros(len(points), int), gap, force, touches, self.normal[first], pressure)
-
-    def of(self, obstacle: int) -> "Contact":
-        """Returns the contact data of the candidates of one obstacle."""
-        own = self.obstacle == obstacle
-        return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own],
-                       self.touches[:, own], self.normal[own], self.pressure[:, own])  # fmt: skip
-
-
-@dataclass(frozen=True)
-class ObstacleSteps:
-    """Contact with an obstacle at every time step: the sum of the moduli of its nodal forces (N or N/m, RunFolder.whole), and the
-    number of candidates in contact."""
-
-    name: str
-    normal_force: np.ndarray
-    active: np.ndarray
 
 
 class RunFolder:
@@ -138,17 +88,10 @@ class RunFolder:
     def contact(self) -> Contact:
         """contact.csv: contact by stored step and candidate."""
         table = self._table("contact.csv", lambda: self.stored_steps * self.manifest["candidates"])
-        steps, first = np.unique(table["step"], return_index=True)
-        shape = (len(steps), -1)
         try:
-            gap, force, status, pressure = (table[name].reshape(shape) for name in ("gap", "force", "status", "pressure"))
+            return contact_of(table)
         except ValueError:
             raise Unreadable(f"{self.path / 'contact.csv'}: not every step has the same number of nodes") from None
-        count = gap.shape[1]
-        axes = [axis for axis in "xyz" if axis in table]
-        points, normal = (np.column_stack([table[before + axis][:count] for axis in axes]) for before in ("", "normal_"))
-        touches = status != STATUS.index("open")
-        return Contact(table["time"][first], points, table["obstacle"][:count].astype(int), gap, force, touches, normal, pressure)
 
     @cached_property
     def obstacles(self) -> list[Obstacle]:
@@ -171,7 +114,8 @@ class RunFolder:
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
             raise Unreadable(f"{self.path / 'obstacles.csv'}: the number of rows is not that of steps times obstacles")
         force, active = table["normal_force"], table["active"]
-        return [ObstacleSteps(name, force[own], active[own]) for name, own in zip(self.obstacle_names, rows)]
+        resultant = np.column_stack([table[f"force_{axis}"] for axis in "xyz"[: self.dim]])
+        return [ObstacleSteps(name, force[own], active[own], resultant[own]) for name, own in zip(self.obstacle_names, rows)]
 
     @cached_property
     def probes(self) -> Table:
@@ -379,7 +323,8 @@ class RunFolder:
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
         """Reads a .csv file. Raises Unreadable unless it has as many rows as run.json counts, if there is one."""
-        table = self.read(file, lambda path: read_csv(path, {"obstacle": self.obstacle_names, "status": STATUS} if file == "contact.csv" else {}))
+        words = {"obstacle": self.obstacle_names, "status": STATUS, "motion": MOTION} if file == "contact.csv" else {}
+        table = self.read(file, lambda path: read_csv(path, words))
         found = len(next(iter(table.values())))
         if (self.path / "run.json").is_file() and found != (counted := self.entry(rows)):
             raise Unreadable(f"{self.path / file}: found {found} rows, but run.json counts {counted}: the file was cut, or belongs to another run")

@@ -154,6 +154,10 @@ void require_no_relaxation(const scene::Scene& scene, const char* option, const 
     throw UserError(fmt::format("{}: cannot be combined with material.prony, since the error estimate does "
                                 "not include relaxation; {}",
                                 option, instead));
+  if (scene.frictional())
+    throw UserError(fmt::format("{}: cannot be combined with contact.friction, since the error estimate does "
+                                "not include slip; {}",
+                                option, instead));
 }
 
 adjoint::ErrorParts estimate_error(const problem::Problem& problem,

@@ -84,7 +84,7 @@ public:
     const diagnostics::StepBalance balance = weigh_(frame);
     const double tau = frame.step.tau, t = frame.step.end;
     energy_ = std::max(energy_, balance.energy());
-    contact_loss_ -= balance.contact_work;
+    contact_loss_ -= balance.contact_work - balance.friction_work - balance.belt_work;
     contact_(frame);
     if (displacement_)
       displacement_->take_until(t, frame.last, [&](double at, Vec y) {
@@ -302,7 +302,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& s
     }
     measured.seconds = seconds(timers);
     simulate(problem, reduced.load(), std::ref(watch));
-    if (estimate && !scene.relaxes())
+    if (estimate && !scene.relaxes() && !scene.frictional())
       measured.estimate = estimate_error(problem, control_problem);
   }
   measured.steps = problem.steps();

@@ -37,8 +37,8 @@ class FunctionalTerms {
 public:
   FunctionalTerms(const Motion& motion, const VelocityForceDuals& duals)
       : motion_(motion), duals_(duals), normal_(motion.stepper.rows()), zero_(normal_.size()),
-        mu_(normal_.size()), zeta_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()),
-        factors_(e_.size()) {
+        mu_(normal_.size()), law_(normal_.size()), zeta_(normal_.size()), e_(duals.velocities()),
+        e_next_(e_.size()), factors_(e_.size()) {
     if (!e_.empty())
       force_ = motion.stepper.space().vector();
   }
@@ -82,13 +82,15 @@ public:
   step::AdjointStep step(int k, step::StateDual dual, step::AdjointState& state) {
     add_to(k, dual);
     if (k == 0)
-      return {motion_.made(0), motion_.made(1), dual, state, {}, {}, projection(0)};
-    return {motion_.made(k), motion_.after(k), dual, state, normal_, mu_, projection(k)};
+      return {motion_.made(0), motion_.made(1), dual, state, {}, {}, {}, projection(0)};
+    return {motion_.made(k), motion_.after(k), dual, state, normal_, mu_, law_, projection(k)};
   }
 
   [[nodiscard]] const VelocityForceDuals& duals() const { return duals_; }
   /// Returns the multipliers μ of the last transposed step (rows).
   [[nodiscard]] std::span<const double> mu() const { return mu_; }
+  /// Returns minus the derivatives by the right-hand sides of the laws in the last transposed step (rows).
+  [[nodiscard]] std::span<const double> law() const { return law_; }
   /// Returns the multipliers ζ of the last transposed projection (rows).
   [[nodiscard]] std::span<const double> zeta() const { return zeta_; }
   /// Adds e_0, the dual of the initial velocities without M ω_0, to `dual`.
@@ -97,8 +99,8 @@ public:
 private:
   const Motion& motion_;
   const VelocityForceDuals& duals_;
-  std::vector<double> normal_, zero_, mu_, zeta_; ///< normal_: ∂J/∂λ_k
-  std::vector<double> e_, e_next_, factors_;      ///< coefficients of e_k and e_{k+1} in the functionals
+  std::vector<double> normal_, zero_, mu_, law_, zeta_; ///< normal_: ∂J/∂λ_k
+  std::vector<double> e_, e_next_, factors_; ///< coefficients of e_k and e_{k+1} in the functionals
   petsc::Vector force_{};
   step::PredictorProjection::Data projection_;
 };
@@ -141,9 +143,15 @@ public:
     rates_.set({motion_.grid.step(k), from_, to_, motion_.at(k)});
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       gradient_[j] += rates_.pairing(j, adjoint.p, adjoint.z);
-      if (rates_.constraint(j, c_))
-        for (int i : motion_.at(k).active)
-          gradient_[j] += terms_.mu()[i] * c_[i];
+      if (rates_.constraint(j, c_)) {
+        const contact::ConstraintRows& rows = motion_.stepper.pairs()->rows();
+        for (const int i : motion_.at(k).active)
+          for (std::size_t row = 0; row < rows.size(i); ++row)
+            gradient_[j] += terms_.mu()[rows.row(i, row)] * c_[rows.row(i, row)];
+      }
+      if (rates_.law(j, c_))
+        for (std::size_t i = 0; i < c_.size(); ++i)
+          gradient_[j] -= terms_.law()[i] * c_[i];
       if (const contact::ConstraintRows* rows = rates_.rows(j); rows && terms_.duals().of_forces())
         gradient_[j] += terms_.duals().by_rows(k, motion_.at(k), *rows);
     }

@@ -21,6 +21,20 @@ enum class Status : std::uint8_t {
   return status == Status::open ? "open" : status == Status::weak ? "weak" : "strong";
 }
 
+/// Motion of a candidate along the obstacle in a step.
+enum class Motion : std::uint8_t {
+  open,   ///< not in contact
+  free,   ///< in contact without friction
+  sticks, ///< in contact with friction, at rest relative to the obstacle
+  slips,  ///< in contact with friction that has reached its bound; moves along the obstacle
+};
+
+/// Name of a motion as written in tables.
+[[nodiscard]] constexpr const char* name(Motion motion) {
+  constexpr std::array names{"open", "free", "stick", "slip"};
+  return names[static_cast<std::size_t>(motion)];
+}
+
 /// Largest penetration accepted for a body of the given diameter (both in m).
 [[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
 
@@ -33,6 +47,9 @@ using ActiveSet = std::vector<int>;
 struct LawEquation {
   std::array<double, 9> E{}, F{}; ///< (k × k), row by row
   std::array<double, 3> c{};
+  Motion motion = Motion::free;
+  double friction = 0; ///< coefficient of friction
+  bool limit = false;  ///< whether the candidate sticks with the largest friction: it is about to slip
 };
 
 /// Contact data of a step that the linearised step, the adjoint step and the next step need. They are the
@@ -44,8 +61,14 @@ struct ContactLinearisation {
   /// Linearised contact laws of the active groups. Empty if all laws are symmetric: then each active group
   /// has zero gap and an arbitrary multiplier.
   std::vector<LawEquation> equations;
-  ActiveSet weak{};      ///< weakly active candidates W
+  /// Candidates at which the law has a kink: weakly active ones, W, and those that are about to slip.
+  ActiveSet weak{};
   ActiveSet predictor{}; ///< Z: candidates closed at the projected predictor; empty in other schemes
+
+  /// Motion of the candidate active[j] along its obstacle.
+  [[nodiscard]] Motion motion(std::size_t j) const {
+    return equations.empty() ? Motion::free : equations[j].motion;
+  }
 };
 
 /// Contact data of one step for all candidates.
@@ -53,6 +76,10 @@ struct ContactState : ContactLinearisation {
   std::vector<double> lambda; ///< multipliers ρ of all constraint rows; the first m rows are the normal ones
   std::vector<double> gap;    ///< gaps U of all constraint rows, m
   std::vector<Status> status; ///< status of each candidate
+  /// Coefficient of friction of each candidate in this step, an input of the step; empty without friction.
+  std::vector<double> friction{};
+  /// On rank 0: whether the laws of the step have at least two other solutions, which friction can cause.
+  bool several = false;
   int vi_iterations = 0; ///< number of solver iterations that led to the active set; 0 if none was needed
 
   /// Sets all m candidates to open, with one constraint row per candidate. Reserves memory for every possible
@@ -74,11 +101,24 @@ struct ContactState : ContactLinearisation {
   }
   /// Normal gaps g_i of the m candidates, m.
   [[nodiscard]] std::span<const double> normal_gap() const { return std::span(gap).first(status.size()); }
+  /// Coefficient of friction of a candidate.
+  [[nodiscard]] double friction_of(std::size_t i) const { return friction.empty() ? 0 : friction[i]; }
 
   /// The part of this state that is kept after the step.
   [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }
 
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }
+  /// Number of candidates in contact with a motion; 0 if no candidate has friction.
+  [[nodiscard]] int count(Motion which) const {
+    return static_cast<int>(std::ranges::count(equations, which, &LawEquation::motion));
+  }
+  /// Motions of all candidates.
+  [[nodiscard]] std::vector<Motion> motions() const {
+    std::vector<Motion> all(status.size(), Motion::open);
+    for (std::size_t j = 0; j < active.size(); ++j)
+      all[static_cast<std::size_t>(active[j])] = motion(j);
+    return all;
+  }
 };
 
 } // namespace signorini::contact

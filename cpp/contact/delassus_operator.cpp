@@ -167,10 +167,11 @@ void for_each_row(const ConstraintRows& rows, const ActiveSet& set, std::span<co
 
 } // namespace
 
-void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const LawEquation> equations,
-                                       bool transposed, std::span<double> b, Workspace& work) const {
+int DelassusOperator::solve_equations(const ActiveSet& set, std::span<const LawEquation> equations,
+                                      bool transposed, std::span<double> b, Workspace& work) const {
+  int sign = 1;
   if (set.empty())
-    return;
+    return sign;
   std::vector<int> all;
   for_each_row(rows_, set, equations, [&](std::size_t, int group, const LawEquation&, std::size_t c) {
     all.push_back(static_cast<int>(rows_.row(group, c)));
@@ -192,11 +193,12 @@ void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const Law
                          work.factor[j * n + i] += law.F[c * k + other];
                    });
     }
-    if (const int pivot = solve_general(work.factor, n, transposed, b); pivot != 0)
+    if (const int pivot = solve_general(work.factor, n, transposed, b, &sign); pivot != 0)
       throw SolverFailure(
           fmt::format("the condensed matrix of {} rows in contact is singular (pivot {})", n, pivot));
   });
   MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, rows_.comm());
+  return sign;
 }
 
 void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool transposed,
@@ -217,7 +219,8 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
                    for (std::size_t j = 0; j < k; ++j)
                      defect[j] -= asked[j];
                    work.b.push_back((transposed ? defect[c] : times(law.E, k, c, defect)) -
-                                    times(law.F, k, c, rows_.of_group(group, n), transposed));
+                                    times(law.F, k, c, rows_.of_group(group, n), transposed) +
+                                    (step.law.empty() ? 0 : step.law[rows_.row(group, c)]));
                  });
     solve_equations(step.set, step.equations, transposed, work.b, work);
     for_each_row(rows_, step.set, step.equations,
@@ -234,6 +237,8 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
     condensation_->finish(work.half_solve, mu, step.x);
     rows_.apply_transpose(step.x, work.motion);
   }
+  if (!step.law_duals.empty())
+    std::ranges::copy(n, step.law_duals.begin());
 }
 
 double DelassusOperator::bytes() const {

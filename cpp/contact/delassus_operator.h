@@ -30,9 +30,10 @@ public:
 
   /// Solves (E S + F) ρ = b or, if `transposed`, the transposed system, for the `equations` of a set of
   /// groups. b has one entry for each row of the groups, group by group; it is replaced by the solution,
-  /// which is the same on every rank. Collective. Throws SolverFailure.
-  void solve_equations(const ActiveSet& set, std::span<const LawEquation> equations, bool transposed,
-                       std::span<double> b, Workspace& work) const;
+  /// which is the same on every rank. Returns the sign of the system's determinant on rank 0, 1 elsewhere.
+  /// Collective. Throws SolverFailure.
+  int solve_equations(const ActiveSet& set, std::span<const LawEquation> equations, bool transposed,
+                      std::span<double> b, Workspace& work) const;
 
   [[nodiscard]] Workspace workspace() const;
 

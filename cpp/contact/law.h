@@ -2,6 +2,7 @@
 #pragma once
 #include "contact/contact_state.h"
 #include <array>
+#include <cmath>
 
 namespace signorini::contact {
 
@@ -16,7 +17,8 @@ namespace signorini::contact {
 
 /// Contact law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
 /// contact laws only through this interface. Spans have one entry for each row of the group, with the normal
-/// row first.
+/// row first. `friction` is the coefficient of friction of the group in the step; laws without friction
+/// ignore it.
 class Law {
 public:
   virtual ~Law() = default;
@@ -36,20 +38,26 @@ public:
   /// gap per unit of the normal multiplier. Returns false if the step opens the group; its multipliers then
   /// become zero, and `equation` is not used.
   [[nodiscard]] virtual bool newton_equation(std::span<const double> rho, std::span<const double> U,
-                                             double compliance, LawEquation& equation) const = 0;
+                                             double compliance, double friction,
+                                             LawEquation& equation) const = 0;
+
+  /// Residual of the law, m: zero if and only if ρ and U satisfy it. `compliance` as for newton_equation().
+  [[nodiscard]] virtual double residual(std::span<const double> rho, std::span<const double> U,
+                                        double compliance, double friction) const = 0;
 
   /// Whether ρ and U satisfy the law; multipliers up to `force` and gaps up to `gap` (m) count as zero.
-  [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double force,
-                                   double gap) const = 0;
+  [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double friction,
+                                   double force, double gap) const = 0;
 
   /// Status of a group that satisfies its law; multipliers up to `force` and gaps up to `gap` (m) count as
   /// zero.
   [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
                                       double gap) const = 0;
 
-  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = c, with c = 0.
-  [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho,
-                                               std::span<const double> U) const = 0;
+  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = c, with c = 0. Slips up to
+  /// `gap` (m) count as zero.
+  [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
+                                               double friction, double gap) const = 0;
 
   /// Whether a weakly active row of a symmetric law belongs to the next closed set, after a step of the
   /// one-sided derivative with the result δλ = `lambda` and −δg = `approach`. `closed`: whether the row was
@@ -68,11 +76,16 @@ public:
     return closed ? lambda > 0 : gap < 0;
   }
   [[nodiscard]] bool newton_equation(std::span<const double> rho, std::span<const double> U,
-                                     double compliance, LawEquation& equation) const override {
-    equation = linearised(rho, U);
+                                     double compliance, double friction,
+                                     LawEquation& equation) const override {
+    equation = linearised(rho, U, friction, 0);
     return compliance * rho[0] > U[0];
   }
-  [[nodiscard]] bool holds(std::span<const double> rho, std::span<const double> U, double force,
+  [[nodiscard]] double residual(std::span<const double> rho, std::span<const double> U, double compliance,
+                                double) const override {
+    return std::abs(std::min(compliance * rho[0], U[0]));
+  }
+  [[nodiscard]] bool holds(std::span<const double> rho, std::span<const double> U, double, double force,
                            double gap) const override {
     return U[0] >= -gap && rho[0] >= -force && (rho[0] <= force || U[0] <= gap);
   }
@@ -80,8 +93,11 @@ public:
                               double gap) const override {
     return rho[0] > force ? Status::strong : U[0] <= gap ? Status::weak : Status::open;
   }
-  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>) const override {
-    return {.E = {1}, .F = {}, .c = {}};
+  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>, double,
+                                       double) const override {
+    LawEquation equation;
+    equation.E[0] = 1;
+    return equation;
   }
   [[nodiscard]] bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                            double motion) const override {

@@ -171,4 +171,35 @@ std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
   return field;
 }
 
+std::vector<double> tangential_tractions(const ContactPairs& pairs, const Pressure& pressure,
+                                         std::span<const double> rho, double impulse) {
+  const ConstraintRows& rows = pairs.rows();
+  const auto dim = static_cast<std::size_t>(pairs.dim()), m = static_cast<std::size_t>(pairs.count());
+  std::vector<double> tractions(m * dim), forces(m);
+  for (std::size_t component = 0; component < dim; ++component) {
+    std::ranges::fill(forces, 0);
+    for (std::size_t i = 0; i < m; ++i)
+      for (std::size_t c = 1; c < rows.size(static_cast<int>(i)); ++c) {
+        const std::size_t row = rows.row(static_cast<int>(i), c);
+        forces[i] -= rows.motion(static_cast<int>(row))[component] * rho[row];
+      }
+    const std::vector<double> one = pressure(forces, impulse);
+    for (std::size_t i = 0; i < m; ++i)
+      tractions[i * dim + component] = one[i];
+  }
+  return tractions;
+}
+
+void set_friction(const ContactPairs& pairs, const Pressure& pressure, std::span<const double> rho,
+                  double impulse, Vec field) {
+  const std::vector<double> tractions = tangential_tractions(pairs, pressure, rho, impulse);
+  const auto dim = static_cast<std::size_t>(pairs.dim());
+  petsc::check(VecZeroEntries(field));
+  const petsc::WriteArray values(field);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs.count()); ++i)
+    if (const int dof = pairs.local_dofs()[i]; dof >= 0)
+      for (std::size_t c = 0; c < dim; ++c)
+        values[static_cast<std::size_t>(dof) + c] += tractions[i * dim + c];
+}
+
 } // namespace signorini::contact

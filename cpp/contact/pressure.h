@@ -64,4 +64,14 @@ private:
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
                              const std::vector<double>& values);
 
+/// Returns the tangential tractions of contact on the body at the candidates (m × dim), N/m², zero without
+/// friction. `rho`: multipliers of all rows; `impulse`: as for Pressure.
+[[nodiscard]] std::vector<double> tangential_tractions(const ContactPairs& pairs, const Pressure& pressure,
+                                                       std::span<const double> rho, double impulse);
+
+/// Sets `field` (in V) to the tangential traction of contact on the body at the candidates' nodes, N/m², and
+/// to zero elsewhere. `rho` and `impulse` as above. Not collective.
+void set_friction(const ContactPairs& pairs, const Pressure& pressure, std::span<const double> rho,
+                  double impulse, Vec field);
+
 } // namespace signorini::contact

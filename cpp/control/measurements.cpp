@@ -30,7 +30,8 @@ Measurements::Measurements(const step::Stepper& stepper, const step::TimeGrid& g
                            const scene::Scene& scene, const std::vector<std::vector<double>>& times,
                            std::size_t columns)
     : stepper_(stepper), grid_(grid),
-      alternate_(scene.contact_scheme() == scene::ContactScheme::contact_implicit), steps_(grid.steps()) {
+      alternate_(scene.contact_scheme() == scene::ContactScheme::contact_implicit || scene.frictional()),
+      steps_(grid.steps()) {
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
     const scene::Measurement& measurement = scene.measurements[i];
     first_.push_back(samples_.size());

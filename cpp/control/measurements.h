@@ -20,8 +20,8 @@ struct Data {
 /// Simulated values of the quantities that a scene measures, along a motion, and the derivatives of these
 /// values by the unknowns (docs/method.md section 10). Displacement and velocity are linear between the ends
 /// of steps. The force of step k acts in the step's middle and is linear between middles. In contact-implicit
-/// steps, whose forces alternate, the mean of two steps acts at the time between them. Contact times are not
-/// included. All members are collective.
+/// steps and with friction, where forces alternate, the mean of two steps acts at the time between them.
+/// Contact times are not included. All members are collective.
 class Measurements final : public step::StateDuals, public adjoint::VelocityForceDuals {
 public:
   /// `times`: sample times of each of the scene's measurements, s. `columns`: number of columns of values: 1
@@ -88,7 +88,7 @@ private:
 
   const step::Stepper& stepper_;
   step::TimeGrid grid_;
-  bool alternate_; ///< whether forces of single steps alternate
+  bool alternate_; ///< whether forces of single steps alternate, as friction where candidates stick does
   int steps_;
   std::vector<Channel> channels_;
   std::vector<Sample> samples_;

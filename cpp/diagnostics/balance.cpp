@@ -54,6 +54,8 @@ Balance::Balance(const step::Stepper& stepper, Wanted wanted)
   if (const auto& relaxation = stepper.operators().relaxation)
     branches_.emplace(Branches{petsc::zero_series(w_, relaxation->branches().size()), petsc::zero_like(w_),
                                petsc::zero_like(w_), petsc::zero_like(w_)});
+  if (stepper.frictional())
+    ways_.resize(stepper.rows());
   if (wanted.other_forces)
     loads_alone_.emplace(step::ForceAtStep(stepper.space(), {wanted.loads}));
 }
@@ -94,6 +96,8 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
   now.external_work = sums.load;
   now.contact_work = sums.contact;
+  if (!ways_.empty())
+    add_friction(frame, now);
   // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
   // v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
   // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
@@ -225,6 +229,16 @@ void Balance::add_branches(const trajectory::Frame& frame, Sums& sums) {
   }
 }
 
+void Balance::add_friction(const trajectory::Frame& frame, StepBalance& now) {
+  stepper_.pairs()->obstacle_ways(frame.step.begin, frame.step.end, ways_);
+  const double impulse = frame.step.scheme().impulse();
+  const contact::ContactState& contact = frame.contact;
+  for (std::size_t row = contact.status.size(); row < ways_.size(); ++row) { // U_t = −w
+    now.friction_work += contact.lambda[row] / impulse * contact.gap[row];
+    now.belt_work -= contact.lambda[row] / impulse * ways_[row];
+  }
+}
+
 void Balance::add_surroundings(const trajectory::Frame& frame, Sums& sums) {
   const fem::Operators& body = stepper_.operators();
   if (body.foundation_B)
@@ -310,6 +324,8 @@ void Invariants::observe(const trajectory::Frame& frame, const StepBalance& bala
     now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, scale));
     now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), scale * diameter));
   }
+  if (stepper_.frictional())
+    now_[5] = friction_defect(state, unit, scale);
   for (std::size_t j = 0; j < now_.size(); ++j)
     if (worse(now_[j], defects_[j].worst)) {
       defects_[j].worst = now_[j];
@@ -317,7 +333,26 @@ void Invariants::observe(const trajectory::Frame& frame, const StepBalance& bala
     }
 }
 
-double Invariants::complementarity() const { return worst_of(worst_of(now_[2], now_[3]), now_[4]); }
+double Invariants::friction_defect(const contact::ContactState& state, double unit, double scale) const {
+  const contact::ConstraintRows& rows = stepper_.pairs()->rows();
+  const double diameter = stepper_.space().mesh().diameter();
+  double worst = 0;
+  for (int i = 0; i < rows.groups(); ++i) {
+    if (rows.size(i) == 1)
+      continue;
+    const std::array<double, 3> rho = rows.of_group(i, state.lambda), U = rows.of_group(i, state.gap);
+    const double bound = state.friction_of(static_cast<std::size_t>(i)) * rho[0] / unit,
+                 force = std::hypot(rho[1], rho[2]) / unit, slip = std::hypot(U[1], U[2]),
+                 work = (rho[1] * U[1] + rho[2] * U[2]) / unit;
+    worst = worst_of(worst, part(force - bound, scale));
+    worst = worst_of(worst, part(std::abs(work + bound * slip), scale * diameter));
+  }
+  return worst;
+}
+
+double Invariants::complementarity() const {
+  return worst_of(worst_of(worst_of(now_[2], now_[3]), now_[4]), now_[5]);
+}
 
 std::optional<std::string> Invariants::violation(double tolerance) const {
   std::size_t worst = 0;

@@ -26,7 +26,9 @@ struct StepBalance {
   double external_work = 0;          ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
   double load_work = 0;              ///< work of the scene's loads alone
   double contact_work = 0;           ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
-  double energy_residual = 0;        ///< residual of the energy identity
+  double friction_work = 0;          ///< part of contact_work, −(2/τ²) σ·w with the slips w; never positive
+  double belt_work = 0; ///< part of contact_work by the obstacles' motion along their surface, −(2/τ²) σ·ds
+  double energy_residual = 0;                ///< residual of the energy identity
   std::array<double, 3> contact_force{};     ///< resultant of the contact forces on the body
   std::array<double, 3> momentum{};          ///< momentum at the end of the step, kg m/s
   std::array<double, 3> momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions
@@ -79,6 +81,8 @@ private:
   /// Sets the forces of the branches in the frame's step, and adds their energy and dissipation to `sums`.
   /// w_ must be (y_k − y_{k−1})/τ. Collective.
   void add_branches(const trajectory::Frame& frame, Sums& sums);
+  /// Sets the works of friction in the frame's step.
+  void add_friction(const trajectory::Frame& frame, StepBalance& now);
   /// Adds the forces and the dissipation of foundations and drag in the frame's step to `sums`. Collective.
   void add_surroundings(const trajectory::Frame& frame, Sums& sums);
 
@@ -88,7 +92,8 @@ private:
   std::optional<step::ForceAtStep> loads_alone_;
   petsc::Vector foundation0_, foundation1_, dashpots_, drag_; ///< parts of Ay0_, Ay1_ and Bw_
   std::optional<Branches> branches_;                          ///< absent unless a material relaxes
-  double energy_ = 0;                                         ///< energy of the last frame
+  std::vector<double> ways_; ///< ways of the obstacles along their surfaces (rows), m; empty without friction
+  double energy_ = 0;        ///< energy of the last frame
 };
 
 /// Monitors the exact laws of the scheme step by step (docs/method.md section 2). Defects are relative: to
@@ -113,9 +118,9 @@ public:
   void observe(const trajectory::Frame& frame, const StepBalance& balance);
 
   /// Returns the defects of energy law and momentum law; with contact also those of penetration, adhesion and
-  /// complementarity.
+  /// complementarity, with friction that of Coulomb's law.
   [[nodiscard]] std::span<const Defect> defects() const {
-    return {defects_.data(), stepper_.pairs() ? defects_.size() : 2};
+    return {defects_.data(), stepper_.frictional() ? defects_.size() : stepper_.pairs() ? 5 : 2};
   }
 
   /// Returns a text on the worst defect of the last frame if that defect is above `tolerance`.
@@ -123,24 +128,29 @@ public:
 
   /// Returns the relative momentum defect of the last frame.
   [[nodiscard]] double momentum() const { return now_[1]; }
-  /// Returns the largest of the last frame's relative contact defects: penetration, adhesion and
-  /// complementarity.
+  /// Returns the largest of the last frame's relative contact defects: penetration, adhesion,
+  /// complementarity and Coulomb's law.
   [[nodiscard]] double complementarity() const;
 
   /// Returns the largest energy of the run so far, in the unit of StepBalance.
   [[nodiscard]] double largest_energy() const { return energy_; }
 
 private:
+  /// Returns the defect of Coulomb's law: the largest friction force above μ times the normal force, and the
+  /// largest difference of the friction's work from −μ times normal force times slip; `scale`: N.
+  [[nodiscard]] double friction_defect(const contact::ContactState& state, double unit, double scale) const;
+
   const step::Stepper& stepper_;
   double stiffness_;       ///< largest diagonal entry of A + Σ A_j, an estimate of the norm
   double mass_, crossing_; ///< mass of the body, kg or kg/m of depth; crossing time of a wave, s
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
-  std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},
+  std::array<Defect, 6> defects_{{{"energy law, residual beyond rounding / largest energy"},
                                   {"momentum law, residual / largest forces"},
                                   {"penetration / diameter"},
                                   {"adhesion / force scale"},
-                                  {"force x gap / (force scale x diameter)"}}};
-  std::array<double, 5> now_{};
+                                  {"force x gap / (force scale x diameter)"},
+                                  {"friction law, defect of force and work / scales"}}};
+  std::array<double, 6> now_{};
 };
 
 } // namespace signorini::diagnostics

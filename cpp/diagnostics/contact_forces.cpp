@@ -15,7 +15,9 @@ namespace {
 
 /// Resets all members except the impulse so far.
 void begin(ObstacleForce& one) {
-  one = {.min_gap = std::numeric_limits<double>::infinity(), .impulse = one.impulse};
+  one = {.min_gap = std::numeric_limits<double>::infinity(),
+         .impulse = one.impulse,
+         .friction_impulse = one.friction_impulse};
 }
 
 } // namespace
@@ -34,6 +36,10 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
   forces_.resize(frame.contact.lambda.size());
   std::ranges::transform(frame.contact.lambda, forces_.begin(),
                          [impulse = frame.step.scheme().impulse()](double force) { return force / impulse; });
+  if (stepper_.frictional()) {
+    friction_ = forces_;
+    std::fill_n(friction_.begin(), pairs.count(), 0.0);
+  }
   for (int i = 0; i < pairs.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     for (ObstacleForce* one : {&each_[pairs.obstacles()[at]], &all_}) {
@@ -49,6 +55,9 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
         continue; // forces around an axis have no radial resultant
       one.force[component] = step::force_on_body(pairs, pairs.rows(), {obstacle, c}, forces_);
       one.impulse[component] += frame.step.tau * one.force[component];
+      if (!friction_.empty())
+        one.friction_impulse[component] +=
+            frame.step.tau * step::force_on_body(pairs, pairs.rows(), {obstacle, c}, friction_);
     }
   };
   add_force(-1, all_);

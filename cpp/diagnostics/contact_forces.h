@@ -15,11 +15,12 @@ namespace signorini::diagnostics {
 /// Contact force of one obstacle, or of all, on the body in a step, and the impulse so far. In plane
 /// strain and plane stress forces are per metre of depth, N/m, and impulses N s/m.
 struct ObstacleForce {
-  std::array<double, 3> force{};   ///< resultant force on the body, N
-  double normal_force = 0;         ///< sum of the moduli of the nodal forces, N
-  int active = 0;                  ///< number of candidates in contact
-  double min_gap = 0;              ///< least gap over the candidates, m
-  std::array<double, 3> impulse{}; ///< Σ τ_k F_k of the steps so far, N s
+  std::array<double, 3> force{};            ///< resultant force on the body, N
+  double normal_force = 0;                  ///< sum of the moduli of the nodal forces, N
+  int active = 0;                           ///< number of candidates in contact
+  double min_gap = 0;                       ///< least gap over the candidates, m
+  std::array<double, 3> impulse{};          ///< Σ τ_k F_k of the steps so far, N s
+  std::array<double, 3> friction_impulse{}; ///< part of `impulse` by friction
 };
 
 /// Computes the contact force of each obstacle on the body, frame by frame. The force of step k
@@ -43,7 +44,8 @@ private:
   const step::Stepper& stepper_;
   std::vector<ObstacleForce> each_;
   ObstacleForce all_;
-  std::vector<double> forces_; ///< forces of the constraint rows, N
+  std::vector<double> forces_;   ///< forces of the constraint rows, N
+  std::vector<double> friction_; ///< of them those along the surfaces; empty without friction
 };
 
 /// Finds the step of the largest contact force of a motion. Among forces that differ by rounding alone it

@@ -67,6 +67,8 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.load_work += balance.load_work;
   energy_.other_work += balance.external_work - balance.load_work;
   energy_.contact_work += balance.contact_work;
+  energy_.friction_work += balance.friction_work;
+  energy_.belt_work += balance.belt_work;
   energy_.viscous_dissipation += balance.viscous_dissipation;
   energy_.foundation_dissipation += balance.foundation_dissipation;
   energy_.drag_dissipation += balance.drag_dissipation;
@@ -93,6 +95,7 @@ void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce&
     impact_.whole = begun();
   if (parted_) { // before a step that closes a gap without a force, too
     impulse_ = impact_.whole.impulse;
+    friction_impulse_ = impact_.whole.friction_impulse;
     touches_.push_back(begun());
   }
   Rebound& touch = touches_.back();
@@ -100,9 +103,12 @@ void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce&
     one->end = frame.step.end;
     one->after = over(after, impact_.mass);
     one->impulse = now.impulse;
+    one->friction_impulse = now.friction_impulse;
   }
-  for (std::size_t c = 0; c < 3; ++c)
+  for (std::size_t c = 0; c < 3; ++c) {
     touch.impulse[c] -= impulse_[c];
+    touch.friction_impulse[c] -= friction_impulse_[c];
+  }
   const double mean = (last_.back().normal_force + now.normal_force) / 2;
   touch.peak = std::max(touch.peak, mean);
   impact_.whole.peak = std::max(impact_.whole.peak, mean);
@@ -128,6 +134,7 @@ void ImpactSummary::take(const trajectory::Frame& frame, const ObstacleForce& no
   last.normal_force = now.normal_force;
   touch.impulse = now.impulse;
   touch.normal_impulse += tau * now.normal_force;
+  touch.friction_impulse = now.friction_impulse;
   if (!(now.normal_force > 0))
     return;
   if (!touch.occurred())
@@ -162,7 +169,7 @@ std::optional<Impact> ImpactSummary::impact() const {
   if (!impact.ended)
     impact.no_restitution = "contact has not ended";
   else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
-    impact.no_restitution = along(impact.whole.before, impact.whole.impulse) < 0
+    impact.no_restitution = along(impact.whole.before, impact.whole.normal_impulse()) < 0
                                 ? "the body still approaches the obstacle at the end"
                                 : "the body did not approach the obstacle before contact";
   return impact;
@@ -186,8 +193,10 @@ std::vector<Rebound> ImpactSummary::bounces() const {
       bounce.after = last.after;
       bounce.touches += last.touches;
       bounce.peak = std::max(bounce.peak, last.peak);
-      for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t c = 0; c < 3; ++c) {
         bounce.impulse[c] += last.impulse[c];
+        bounce.friction_impulse[c] += last.friction_impulse[c];
+      }
     }
   }
   return all;
@@ -211,7 +220,8 @@ double ImpactSummary::along(const std::array<double, 3>& velocity,
 }
 
 std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
-  const double towards = along(rebound.before, rebound.impulse), away = along(rebound.after, rebound.impulse);
+  const std::array<double, 3> n = rebound.normal_impulse();
+  const double towards = along(rebound.before, n), away = along(rebound.after, n);
   if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
     return std::nullopt;
   return -away / towards;
@@ -223,7 +233,8 @@ std::string ImpactSummary::no_restitution_reason() const {
   if (stepper_.space().mesh().axisymmetric() && length(impact_.whole.impulse) == 0)
     return "radial forces have no resultant";
   constexpr double rounding = 1e-12;
-  if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
+  if (const std::array<double, 3> J = impact_.whole.normal_impulse();
+      along(J, J) <= rounding * length(J) * length(J))
     return "clamps hold the body in the direction of the contact force";
   if (stepper_.operators().foundation_A || stepper_.operators().foundation_B)
     return "a foundation acts on the body";

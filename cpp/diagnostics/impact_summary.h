@@ -20,17 +20,18 @@ struct Touch {
   double start = 0, end = 0;       ///< begin of the first, end of the last step with a contact force, s
   double contact_time = 0;         ///< total length of the steps with a contact force, s
   std::array<double, 3> impulse{}; ///< impulse of the resultant
-  double normal_impulse = 0;       ///< impulse of the sum of the moduli of the nodal forces
-  double peak = 0;                 ///< largest modulus of the resultant
-  double normal_peak = 0;          ///< largest sum of the moduli of the nodal forces
-  double peak_time = 0;            ///< time of normal_peak, between its two steps, s
-  bool peak_at_onset = false;      ///< whether contact began at most a wave's crossing time before the peak,
-                                   ///< which then depends mostly on time step and element size
-  double largest_step = 0;         ///< largest sum of the nodal forces' moduli in a single step
-  double impulse_duration = 0;     ///< time in which normal_impulse grows from 1 to 99 % of its total, s
-  double sustained_peak = 0;       ///< largest mean of Σ |nodal force| over a time `sustained_over`, N
-  double sustained_over = 0;       ///< time in which a wave crosses four elements in contact, but at least
-                                   ///< the length of two steps, s
+  double normal_impulse = 0;       ///< impulse of the sum of the moduli of the nodal normal forces
+  std::array<double, 3> friction_impulse{}; ///< impulse of the friction forces; zero without friction
+  double peak = 0;                          ///< largest modulus of the resultant
+  double normal_peak = 0;                   ///< largest sum of the moduli of the nodal forces
+  double peak_time = 0;                     ///< time of normal_peak, between its two steps, s
+  bool peak_at_onset = false;  ///< whether contact began at most a wave's crossing time before the peak,
+                               ///< which then depends mostly on time step and element size
+  double largest_step = 0;     ///< largest sum of the nodal forces' moduli in a single step
+  double impulse_duration = 0; ///< time in which normal_impulse grows from 1 to 99 % of its total, s
+  double sustained_peak = 0;   ///< largest mean of Σ |nodal force| over a time `sustained_over`, N
+  double sustained_over = 0;   ///< time in which a wave crosses four elements in contact, but at least
+                               ///< the length of two steps, s
   double least_gap = std::numeric_limits<double>::infinity(); ///< least gap at the end of a step, m
   double least_gap_time = 0;                                  ///< first time of that gap, s
 
@@ -41,13 +42,21 @@ struct Touch {
 struct Rebound {
   double start = 0, end = 0; ///< begin of the first, end of the last step with a force, s
   int touches = 1; ///< number of touches; at least two steps in a row without contact separate two touches
-  std::array<double, 3> impulse{}; ///< impulse of all obstacles, N s
-  double peak = 0;                 ///< largest mean of Σ |nodal force| over two steps, N
-  std::array<double, 3> before{},  ///< velocity of the centre of mass at `start`, m/s
-      after{};                     ///< velocity of the centre of mass at `end`, m/s
-  /// Coefficient of restitution −(after·n)/(before·n), where n is `impulse` with zeros in clamped components.
+  std::array<double, 3> impulse{};          ///< impulse of all obstacles, N s
+  std::array<double, 3> friction_impulse{}; ///< part of `impulse` by friction
+  double peak = 0;                          ///< largest mean of Σ |nodal force| over two steps, N
+  std::array<double, 3> before{},           ///< velocity of the centre of mass at `start`, m/s
+      after{};                              ///< velocity of the centre of mass at `end`, m/s
+  /// Coefficient of restitution −(after·n)/(before·n), where n is normal_impulse() with zeros in clamped
+  /// components.
   /// Defined only if the body moved towards one obstacle at rest, touched no other obstacle, and left it.
   std::optional<double> restitution{};
+
+  /// Returns the impulse without friction.
+  [[nodiscard]] std::array<double, 3> normal_impulse() const {
+    return {impulse[0] - friction_impulse[0], impulse[1] - friction_impulse[1],
+            impulse[2] - friction_impulse[2]};
+  }
 };
 
 /// Motion of the body as a whole before and after contact.
@@ -68,15 +77,19 @@ struct Impact {
 /// Sources and sinks of a motion's energy, J (in plane strain and plane stress J/m), as sums over its steps.
 struct EnergyAccount {
   double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
-  double load_work = 0;                                    ///< work of the scene's loads
-  double other_work = 0;                                   ///< work of a control and of moving clamps
-  double contact_work = 0;                                 ///< work of contact
-  double viscous_dissipation = 0;                          ///< dissipation by viscosity
+  double load_work = 0;                    ///< work of the scene's loads
+  double other_work = 0;                   ///< work of a control and of moving clamps
+  double contact_work = 0;                 ///< work of contact
+  double friction_work = 0, belt_work = 0; ///< parts of contact_work: by slip, by the obstacles' surfaces
+  double viscous_dissipation = 0;          ///< dissipation by viscosity
   double foundation_at_start = 0, foundation_at_end = 0;   ///< energy of foundations
   double foundation_dissipation = 0, drag_dissipation = 0; ///< dissipation by dashpots and by mass damping
   double relaxation_at_end = 0;                            ///< energy of branches, which start without any
   double relaxation_dissipation = 0;                       ///< dissipation by relaxation
   double residual = 0;                                     ///< residual of the energy law
+
+  /// Returns the work of contact without friction: that of a scheme, or of obstacles that move.
+  [[nodiscard]] double normal_work() const { return contact_work - friction_work - belt_work; }
 };
 
 /// Sums up energies and contact of a motion frame by frame.
@@ -136,8 +149,9 @@ private:
   /// Records of the sums of the nodal forces' moduli, for each obstacle, then for all together.
   std::vector<trajectory::ImpulseRecord> records_;
   std::vector<Rebound> touches_;
-  std::array<double, 3> momentum_{}, impulse_{}; ///< body's momentum; contact impulse before the last touch
-  int open_steps_ = 0;                           ///< number of steps in a row without a candidate in contact
+  std::array<double, 3> momentum_{};                     ///< body's momentum, kg m/s
+  std::array<double, 3> impulse_{}, friction_impulse_{}; ///< of contact, of friction before the last touch
+  int open_steps_ = 0; ///< number of steps in a row without a candidate in contact
   bool parted_ = true; ///< whether the pause is long enough that the next force begins a touch
 };
 

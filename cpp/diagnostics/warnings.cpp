@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "diagnostics/warnings.h"
+#include "base/collective.h"
 #include "base/text.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -324,12 +325,14 @@ std::vector<Warning> Passage::warnings() const {
 
 StepWarnings::StepWarnings(const step::Stepper& stepper, const scene::Scene& scene,
                            const step::SceneLoad* load, const trajectory::StepErrors* errors)
-    : load_(load), passage_(stepper), errors_(errors) {
+    : load_(load), comm_(stepper.space().comm()), passage_(stepper), errors_(errors) {
   if (!errors && stepper.step_lengths())
     errors_ = &own_.emplace(stepper, scene);
 }
 
 void StepWarnings::observe(const trajectory::Frame& frame) {
+  if (frame.contact.several && several_++ == 0)
+    first_several_ = frame.step.end;
   passage_.observe(frame);
   if (own_)
     own_->observe(frame);
@@ -342,6 +345,16 @@ std::vector<Warning> StepWarnings::warnings() const {
     add(load_->warnings());
   if (errors_)
     add(errors_->warnings());
+  const std::vector<double> several =
+      broadcast(comm_, std::vector<double>{static_cast<double>(several_), first_several_});
+  if (several[0] > 0)
+    found.push_back(
+        {"several solutions",
+         fmt::format("in {:.0f} steps, first at t = {:.4g} s, contact has other solutions too, since "
+                     "contact.friction is large. Forces and derivatives there are one choice of several. "
+                     "Shorten the steps or lower contact.friction",
+                     several[0], several[1]),
+         several[0], 0});
   return found;
 }
 

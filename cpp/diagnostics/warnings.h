@@ -121,6 +121,9 @@ public:
 
 private:
   const step::SceneLoad* load_;
+  MPI_Comm comm_;
+  int several_ = 0;          ///< number of steps with several solutions (rank 0)
+  double first_several_ = 0; ///< end of the first of them, s
   Passage passage_;
   std::optional<trajectory::StepErrors> own_; ///< errors of steps that an earlier motion chose
   const trajectory::StepErrors* errors_;      ///< errors to warn of, given or *own_; null for equal steps

@@ -57,7 +57,7 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
     open(steps_, "steps.csv", io::steps_header(dim, columns_));
   const contact::ContactPairs* pairs = problem_.stepper.pairs();
   const bool contact = pairs && output.table(scene::StoredTable::contact);
-  if (contact || output.field(Field::pressure))
+  if (contact || output.field(Field::pressure) || output.field(Field::friction))
     pressure_.emplace(problem_.space, *pairs, problem_.scene.contacts);
   if (contact) {
     contact_table_.emplace(*pairs, *pressure_, problem_.scene.contacts);
@@ -78,7 +78,8 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
                                       {Field::strain, cellwise_tensor},
                                       {Field::stress, cellwise_tensor},
                                       {Field::von_mises, cellwise_scalar},
-                                      {Field::pressure, nodal_scalar}})
+                                      {Field::pressure, nodal_scalar},
+                                      {Field::friction, nodal}})
     if (output.field(field))
       fields.push_back({scene::name(field), values});
   // The number of steps may not be known yet: then the disk must have room for this many.
@@ -224,6 +225,12 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
     pressure_->extend_to_axis(pressures, field);
     return field;
   });
+  write(Field::friction, [&] {
+    friction_ = petsc::zero_like(now.state.y());
+    contact::set_friction(*problem_.stepper.pairs(), *pressure_, now.contact.lambda,
+                          now.step.scheme().impulse(), friction_);
+    return Vec(friction_);
+  });
 }
 
 void MotionWriter::follow_body(Vec y) {
@@ -256,7 +263,7 @@ std::vector<Warning> MotionWriter::warnings() {
   add(resolution_.warnings());
   add(step_warnings_.warnings());
   if (summary_)
-    add(diagnostics::contact_loss(problem_.stepper, problem_.scene, summary_->energy().contact_work,
+    add(diagnostics::contact_loss(problem_.stepper, problem_.scene, summary_->energy().normal_work(),
                                   invariants_->largest_energy()));
   if (largest_stress_)
     add(largest_stress_->warnings());

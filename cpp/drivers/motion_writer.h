@@ -107,6 +107,7 @@ private:
   std::optional<diagnostics::ImpactSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
   std::optional<contact::Pressure> pressure_;
+  petsc::Vector friction_{}; ///< tangential traction at the nodes; null until it is written
   std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;

@@ -11,18 +11,19 @@ namespace signorini::drivers {
 io::Kink describe(control::ReducedProblem& reduced,
                   const optimize::Certificate<control::Variables>& certificate) {
   const auto sweeps = reduced.sweeps();
-  std::map<std::pair<int, int>, std::size_t> closed; // number of points where it is active
+  using Where = std::pair<int, int>;                              // step, candidate
+  std::map<Where, std::map<contact::Motion, std::size_t>> closed; // number of points where it moves so
   for (const auto& point : certificate.points) {
     reduced.simulate(*point);
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
-      for (int i : contact[k].active)
-        ++closed[{static_cast<int>(k), i}];
+      for (std::size_t j = 0; j < contact[k].active.size(); ++j)
+        ++closed[{static_cast<int>(k), contact[k].active[j]}][contact[k].motion(j)];
   }
   reduced.restore_sweeps(sweeps);
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()), {}};
-  for (const auto& [where, times] : closed)
-    if (times < certificate.points.size()) {
+  for (const auto& [where, motions] : closed)
+    if (motions.begin()->second < certificate.points.size()) {
       const auto& [k, i] = where;
       const double* x = &reduced.stepper().pairs()->points()[3 * static_cast<std::size_t>(i)];
       kink.weak.push_back(

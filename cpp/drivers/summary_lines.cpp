@@ -125,7 +125,9 @@ void add_energy(const diagnostics::EnergyAccount& energy, const Body& body, std:
   };
   add("loads", energy.load_work);
   add("control and clamps", energy.other_work);
-  add("contact", energy.contact_work);
+  add("contact", energy.normal_work());
+  add("friction", energy.friction_work);
+  add("moving surfaces", energy.belt_work);
   add("viscosity", -energy.viscous_dissipation);
   add("dashpots of foundations", -energy.foundation_dissipation);
   add("mass damping", -energy.drag_dissipation);

@@ -18,7 +18,7 @@ constexpr const char* axes[] = {"x", "y", "z"};
 StepsColumns StepsColumns::of(const scene::Scene& scene, bool tracking) {
   return {tracking, !scene.foundations.empty(),
           std::ranges::any_of(scene.materials, &scene::Material::dragged),
-          std::ranges::any_of(scene.materials, &scene::Material::relaxes)};
+          std::ranges::any_of(scene.materials, &scene::Material::relaxes), scene.frictional()};
 }
 
 std::string steps_header(int dim, const StepsColumns& columns) {
@@ -27,11 +27,12 @@ std::string steps_header(int dim, const StepsColumns& columns) {
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
   return text + fmt::format("active,weak,min_gap,vi_iterations,momentum_residual,complementarity{},"
-                            "normal_force,load_work{}{}{}\n",
+                            "normal_force,load_work{}{}{}{}\n",
                             columns.tracking ? ",tracking_error" : "",
                             columns.foundation ? ",foundation_energy,foundation_dissipation" : "",
                             columns.drag ? ",drag_dissipation" : "",
-                            columns.relaxation ? ",relaxation_energy,relaxation_dissipation" : "");
+                            columns.relaxation ? ",relaxation_energy,relaxation_dissipation" : "",
+                            columns.friction ? ",friction_work,belt_work,slip,stick" : "");
 }
 
 void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
@@ -57,6 +58,9 @@ void add_steps_row(std::string& text, const StepsColumns& columns, int k, double
     fmt::format_to(out, ",{}", balance.drag_dissipation);
   if (columns.relaxation)
     fmt::format_to(out, ",{},{}", balance.relaxation_energy, balance.relaxation_dissipation);
+  if (columns.friction)
+    fmt::format_to(out, ",{},{},{},{}", balance.friction_work, balance.belt_work,
+                   contact.count(contact::Motion::slips), contact.count(contact::Motion::sticks));
   text += '\n';
 }
 
@@ -134,7 +138,8 @@ void add_probes_row(std::string& text, int k, double time, std::span<const doubl
 
 ContactTable::ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
                            const std::vector<scene::Contact>& contacts)
-    : dim_(pairs.dim()), pressure_(pressure), fixed_(static_cast<std::size_t>(pairs.count())) {
+    : pairs_(pairs), dim_(pairs.dim()), pressure_(pressure), fixed_(static_cast<std::size_t>(pairs.count())),
+      friction_(std::ranges::any_of(contacts, &scene::Contact::frictional)) {
   const auto dim = static_cast<std::size_t>(dim_);
   for (std::size_t i = 0; i < fixed_.size(); ++i) {
     auto point = std::back_inserter(fixed_[i].point), surface = std::back_inserter(fixed_[i].surface);
@@ -148,8 +153,16 @@ ContactTable::ContactTable(const contact::ContactPairs& pairs, const contact::Pr
 }
 
 std::string ContactTable::header() const {
-  return dim_ == 3 ? "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure,status\n"
-                   : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure,status\n";
+  std::string text =
+      dim_ == 3 ? "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure,status"
+                : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure,status";
+  if (friction_) {
+    for (const char* vector : {"tangential_force", "slip_velocity"})
+      for (int c = 0; c < dim_; ++c)
+        text += fmt::format(",{}_{}", vector, axes[c]);
+    text += ",motion";
+  }
+  return text + "\n";
 }
 
 void ContactTable::add_rows(std::string& text, const step::TimeStep& step,
@@ -157,11 +170,30 @@ void ContactTable::add_rows(std::string& text, const step::TimeStep& step,
   const double impulse = step.scheme().impulse();
   const std::vector<double> pressure = pressure_(contact.normal_lambda(), impulse);
   const std::string when = fmt::format("{},{:.10g}", step.k, step.end);
+  const std::vector<contact::Motion> motions = friction_ ? contact.motions() : std::vector<contact::Motion>();
   auto out = std::back_inserter(text);
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    fmt::format_to(out, "{}{},{},{}{},{},{}\n", when, fixed_[i].point, contact.gap[i],
+  for (std::size_t i = 0; i < fixed_.size(); ++i) {
+    fmt::format_to(out, "{}{},{},{}{},{},{}", when, fixed_[i].point, contact.gap[i],
                    contact.lambda[i] / impulse, fixed_[i].surface, pressure[i],
                    contact::name(contact.status[i]));
+    if (friction_) {
+      add_along(text, static_cast<int>(i), contact.lambda, -1 / impulse);
+      add_along(text, static_cast<int>(i), contact.gap, step.k > 0 ? -1 / step.tau : 0); // w = −U_t
+      fmt::format_to(out, ",{}", contact::name(motions[i]));
+    }
+    text += '\n';
+  }
+}
+
+void ContactTable::add_along(std::string& text, int pair, std::span<const double> rows, double factor) const {
+  const contact::ConstraintRows& H = pairs_.rows();
+  std::array<double, 3> vector{};
+  for (std::size_t c = 1; c < H.size(pair); ++c)
+    for (std::size_t component = 0; component < static_cast<std::size_t>(dim_); ++component)
+      vector[component] +=
+          factor * rows[H.row(pair, c)] * H.motion(static_cast<int>(H.row(pair, c)))[component];
+  for (std::size_t component = 0; component < static_cast<std::size_t>(dim_); ++component)
+    fmt::format_to(std::back_inserter(text), ",{}", vector[component] + 0.0); // no −0
 }
 
 } // namespace signorini::io

@@ -21,6 +21,7 @@ struct StepsColumns {
   bool foundation = false; ///< energy and dissipation of foundations
   bool drag = false;       ///< dissipation by mass damping
   bool relaxation = false; ///< energy and dissipation of branches of a Prony series
+  bool friction = false;   ///< works of friction, numbers of candidates that slip and stick
 
   /// Columns of a scene; `tracking`: whether the run has an objective.
   static StepsColumns of(const scene::Scene& scene, bool tracking);
@@ -73,12 +74,13 @@ void add_probes_row(std::string& text, int k, double time, std::span<const doubl
 
 /// Text of contact.csv, which has one row per stored step and candidate. The columns after step and time are
 /// the candidate's point in the undeformed body, gap, force, obstacle, the obstacle's outward normal at the
-/// point (the direction of the force on the body), area, pressure and status. Numbers have as many digits as
-/// are needed to recover the exact double.
+/// point (the direction of the force on the body), area, pressure and status; with friction also the friction
+/// force on the body, the velocity of the slip, and the motion along the obstacle. Numbers have as many
+/// digits as are needed to recover the exact double.
 class ContactTable {
 public:
   /// Prepares the constant part of each candidate's row. `contacts`: the scene's tables [contact], which name
-  /// the obstacles. `pressure` must outlive this object.
+  /// the obstacles. `pairs` and `pressure` must outlive this object.
   ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
                const std::vector<scene::Contact>& contacts);
 
@@ -92,9 +94,14 @@ private:
   struct CandidateText {
     std::string point, surface; ///< text of the point's columns; text of the columns from obstacle to area
   };
+  /// Appends the columns of the vector T x of a pair, times `factor`, for the tangential part of x (rows).
+  void add_along(std::string& text, int pair, std::span<const double> rows, double factor) const;
+
+  const contact::ContactPairs& pairs_;
   int dim_;
   const contact::Pressure& pressure_;
   std::vector<CandidateText> fixed_;
+  bool friction_;
 };
 
 } // namespace signorini::io

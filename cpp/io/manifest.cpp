@@ -33,6 +33,8 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"clamp", !scene.clamps.empty()},
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
       {"contact", !scene.contacts.empty()},
+      {"friction", scene.frictional()},
+      {"static start", scene.initial.equilibrium},
       {"steps of varying length", scene.time.automatic()},
       {"contact-stabilized", !scene.contacts.empty() && scheme == scene::ContactScheme::contact_stabilized},
       {"massless contact", scene::has_massless_candidates(scheme)},
@@ -81,7 +83,7 @@ ordered_json vector(const std::array<double, 3>& x, int dim) {
 }
 
 /// Writes a touch as JSON; start, end and time of the peak are null if there was no contact.
-ordered_json touch(const diagnostics::Touch& one, int dim) {
+ordered_json touch(const diagnostics::Touch& one, int dim, bool friction) {
   const auto if_any = [&](double value) { return one.occurred() ? ordered_json(value) : ordered_json(); };
   ordered_json json;
   if (!one.name.empty())
@@ -92,6 +94,8 @@ ordered_json touch(const diagnostics::Touch& one, int dim) {
   json["contact_time"] = one.contact_time;
   json["impulse"] = vector(one.impulse, dim);
   json["normal_impulse"] = one.normal_impulse;
+  if (friction)
+    json["friction_impulse"] = vector(one.friction_impulse, dim);
   json["peak"] = one.peak;
   json["peak_time"] = if_any(one.peak_time);
   json["peak_at_onset"] = one.peak_at_onset;
@@ -121,14 +125,14 @@ ordered_json bounce(const diagnostics::Rebound& one, int dim) {
           {"restitution", number(one.restitution)}};
 }
 
-ordered_json impact_json(const diagnostics::Impact& impact, int dim) {
+ordered_json impact_json(const diagnostics::Impact& impact, int dim, bool friction) {
   const auto if_any = [&](const std::array<double, 3>& velocity) {
     return impact.all.occurred() ? vector(velocity, dim) : ordered_json();
   };
   ordered_json json{{"mass", impact.mass}, {"obstacles", ordered_json::array()}};
   for (const diagnostics::Touch& one : impact.obstacles)
-    json["obstacles"].push_back(touch(one, dim));
-  json["all"] = touch(impact.all, dim);
+    json["obstacles"].push_back(touch(one, dim, friction));
+  json["all"] = touch(impact.all, dim, friction);
   json["ended"] = impact.ended;
   json["velocity_before"] = if_any(impact.whole.before);
   json["velocity_after"] = if_any(impact.whole.after);
@@ -149,6 +153,10 @@ ordered_json energy_json(const diagnostics::EnergyAccount& energy, const StepsCo
                     {"residual", energy.residual},
                     {"kinetic_at_end", energy.kinetic_at_end},
                     {"elastic_at_end", energy.elastic_at_end}};
+  if (columns.friction) {
+    json["friction_work"] = energy.friction_work;
+    json["belt_work"] = energy.belt_work;
+  }
   if (columns.foundation) {
     json["foundation_at_start"] = energy.foundation_at_start;
     json["foundation_dissipation"] = energy.foundation_dissipation;
@@ -315,7 +323,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   if (m.fit)
     add_fit(json, *m.fit);
   if (m.impact)
-    json["impact"] = impact_json(*m.impact, m.dim);
+    json["impact"] = impact_json(*m.impact, m.dim, scene.frictional());
   if (m.von_mises)
     json["largest_von_mises"] = stress_json(m);
   if (m.energy)

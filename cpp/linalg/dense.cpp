@@ -54,13 +54,18 @@ bool solve_dense(std::vector<double> K, std::span<double> b) {
   return true;
 }
 
-int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b) {
+int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b, int* sign) {
+  if (sign)
+    *sign = 1;
   if (n == 0)
     return 0;
   std::vector<PetscBLASInt> pivots(n);
   const auto size = static_cast<PetscBLASInt>(n), columns = static_cast<PetscBLASInt>(b.size() / n);
   PetscBLASInt info = 0;
   LAPACKgetrf_(&size, &size, K.data(), &size, pivots.data(), &info);
+  if (sign)
+    for (std::size_t i = 0; i < n; ++i)
+      *sign *= (K[i * n + i] < 0) == (pivots[i] == static_cast<PetscBLASInt>(i) + 1) ? -1 : 1;
   if (info == 0)
     LAPACKgetrs_(transposed ? "T" : "N", &size, &columns, K.data(), &size, pivots.data(), b.data(), &size,
                  &info);

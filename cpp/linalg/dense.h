@@ -26,8 +26,10 @@ std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n);
 [[nodiscard]] bool solve_dense(std::vector<double> K, std::span<double> b);
 
 /// Solves K x = b or, if `transposed`, Kᵀ x = b for a general K (n × n, column by column); b is replaced by
-/// x, K by its factors LU. Returns 0, or the number, counted from 1, of the first pivot that is zero.
-[[nodiscard]] int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b);
+/// x, K by its factors LU. Returns 0, or the number, counted from 1, of the first pivot that is zero. `sign`:
+/// receives the sign of K's determinant, 1 or −1, unless it is null.
+[[nodiscard]] int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b,
+                                int* sign = nullptr);
 
 /// BLAS operations on arrays of this rank, which may be longer than the BLAS's 32-bit counts. Arrays x and y
 /// have equal length. Not collective.

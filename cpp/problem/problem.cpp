@@ -7,6 +7,7 @@
 #include "control/interpolation.h"
 #include "io/field_reader.h"
 #include "io/stored_control.h"
+#include "problem/static_start.h"
 #include "trajectory/step_control.h"
 #include <fmt/format.h>
 
@@ -220,6 +221,8 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
     throw Interrupted();
   if (s.load)
     scene_load.emplace(space, stepper.M(), *s.load, stepper.end());
+  if (s.initial.equilibrium)
+    start_in_equilibrium(stepper, operators, s, scene_load ? &*scene_load : nullptr, initial.y());
   if (!s.output.probes.empty())
     probes.emplace(stepper, s);
 }

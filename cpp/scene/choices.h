@@ -102,9 +102,11 @@ enum class Parameter {
   normal_stiffness,
   tangential_stiffness,
   normal_damping,
-  tangential_damping
+  tangential_damping,
+  friction,
+  surface_velocity
 };
-constexpr Names<23> names(Parameter) {
+constexpr Names<25> names(Parameter) {
   return {"young",
           "poisson",
           "bulk",
@@ -127,7 +129,9 @@ constexpr Names<23> names(Parameter) {
           "stiffness.normal",
           "stiffness.tangential",
           "damping.normal",
-          "damping.tangential"};
+          "damping.tangential",
+          "friction",
+          "surface_velocity"};
 }
 
 /// Scale on which a fit varies an unknown and reports its uncertainty.
@@ -177,9 +181,20 @@ constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
 enum class OnViolation { warn, stop, off };
 constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 
-enum class StoredField { displacement, velocity, control, adjoint, strain, stress, von_mises, pressure };
-constexpr Names<8> names(StoredField) {
-  return {"displacement", "velocity", "control", "adjoint", "strain", "stress", "von_mises", "pressure"};
+enum class StoredField {
+  displacement,
+  velocity,
+  control,
+  adjoint,
+  strain,
+  stress,
+  von_mises,
+  pressure,
+  friction
+};
+constexpr Names<9> names(StoredField) {
+  return {"displacement", "velocity",  "control",  "adjoint", "strain",
+          "stress",       "von_mises", "pressure", "friction"};
 }
 
 enum class StoredTable { steps, contact, obstacles, probes, history, parameters, measurements };

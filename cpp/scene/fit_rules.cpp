@@ -31,22 +31,33 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
   if (unknown.obstacle)
     require_obstacle(in, *unknown.obstacle, scene);
   const Contact& contact = scene.contacts[contact_of(scene, unknown)];
+  if (of_friction(unknown.of) && !contact.frictional())
+    in.fail("of", fmt::format("found \"{}\" of an obstacle without friction; give contact.friction", of));
+  if (unknown.of == Parameter::surface_velocity && !contact.surface_velocity)
+    in.fail("of", "found \"surface_velocity\" of an obstacle without one; give obstacle.surface_velocity");
   using Allowed = std::vector<std::string>;
-  const Allowed allowed = std::visit(
+  Allowed allowed = std::visit(
       Overloads{[](const HalfSpace&) { return Allowed{name(Parameter::position), name(Parameter::angle)}; },
                 [](const Ball&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
                 [](const Cylinder&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
                 [](const SignedDistance&) { return Allowed{}; }},
       contact.obstacle);
+  if (contact.frictional()) { // the tangents must stay
+    const bool plane = std::holds_alternative<HalfSpace>(contact.obstacle);
+    allowed = plane ? Allowed{name(Parameter::position)} : Allowed{};
+    allowed.emplace_back(name(Parameter::friction));
+    allowed.emplace_back(name(Parameter::surface_velocity));
+  }
   if (std::ranges::find(allowed, of) == allowed.end())
-    in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\"; choices: {}", of,
+    in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\"{}; choices: {}", of,
                               name(static_cast<Shape>(contact.obstacle.index())),
+                              contact.frictional() ? " with friction" : "",
                               allowed.empty() ? "other shapes" : list(allowed)));
   const bool round =
       std::holds_alternative<Ball>(contact.obstacle) || std::holds_alternative<Cylinder>(contact.obstacle);
-  if (round && moves(contact.obstacle))
+  if (round && !of_friction(unknown.of) && moves(contact.obstacle))
     in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves; it must be at rest", of));
-  if (contact.initial == ContactStart::project)
+  if (contact.initial == ContactStart::project && !of_friction(unknown.of))
     in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", with which the "
                               "initial positions of nodes would depend on the unknown; set initial to "
                               "\"outside\"",
@@ -176,12 +187,13 @@ void require_component(const Reader& in, const Unknown& unknown, const Scene& sc
                                      name(*unknown.component), size));
 }
 
-/// Scale of an unknown whose table gives none: logarithmic for numbers of materials and foundations that have
-/// a unit.
+/// Scale of an unknown whose table gives none: logarithmic for friction and for numbers of materials and
+/// foundations that have a unit.
 ParameterScale usual_scale(Parameter of) {
   const bool fraction = of == Parameter::poisson || of == Parameter::prony_g || of == Parameter::prony_k;
-  return (of_material(of) && !fraction) || of_foundation(of) ? ParameterScale::logarithmic
-                                                             : ParameterScale::linear;
+  return (of_material(of) && !fraction) || of_foundation(of) || of == Parameter::friction
+             ? ParameterScale::logarithmic
+             : ParameterScale::linear;
 }
 
 /// Throws UserError if the name of an unknown is also the name of a column of history.csv.
@@ -197,6 +209,11 @@ void require_free_name(const Reader& in, const std::string& name) {
 
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   require_target(in, unknown, scene);
+  if (scene.initial.equilibrium && !of_friction(unknown.of) && unknown.of != Parameter::velocity)
+    in.fail("of",
+            fmt::format("found \"{}\" with initial.static, whose equilibrium would depend on the unknown; "
+                        "remove initial.static",
+                        name(unknown.of)));
   require_model(in, unknown, scene);
   const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
                         unknown.of == Parameter::angle;

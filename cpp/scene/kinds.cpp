@@ -128,6 +128,10 @@ Expression Varying::read(Reader& in, Name key, const Scene& scene) const {
   return expression;
 }
 
+Expression Coefficient::read(Reader& in, Name key, const Scene& scene) const {
+  return in.number_or_expression(key, limits, scene.time.end);
+}
+
 Json Varying::schema() const { return {{"anyOf", {Number{limits}.schema(), text, time_series}}}; }
 
 Json Numbers::schema() { return array(number, 2); }

@@ -166,6 +166,14 @@ struct Varying {
   [[nodiscard]] Json schema() const;
 };
 
+/// A number or an expression in x, y, z and t.
+struct Coefficient : Varying {
+  Expression read(Reader& in, Name key, const Scene& scene) const;
+  [[nodiscard]] std::string words() const {
+    return "number" + limits.range() + ", or expression in x, y, z, t";
+  }
+};
+
 /// A constant vector: one number for each component.
 struct Numbers {
   Limits limits{};

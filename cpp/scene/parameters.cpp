@@ -171,6 +171,12 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::radius:
     round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).radius = Expression(value);
     return;
+  case Parameter::friction:
+    scene.contacts[contact_of(scene, unknown)].friction = Expression(value);
+    return;
+  case Parameter::surface_velocity:
+    multiply(scene.contacts[contact_of(scene, unknown)].surface_velocity.value(), value);
+    return;
   case Parameter::body:
     multiply(scene.load.value().body.value(), value);
     return;
@@ -223,6 +229,8 @@ std::string unit(const Unknown& unknown) {
   case Parameter::poisson:
   case Parameter::prony_g:
   case Parameter::prony_k:
+  case Parameter::friction:
+  case Parameter::surface_velocity:
   case Parameter::body:
   case Parameter::gravity:
   case Parameter::traction:
@@ -270,6 +278,7 @@ Limits natural_limits(Parameter of) {
   case Parameter::density:
   case Parameter::radius:
   case Parameter::prony_time:
+  case Parameter::friction: // without friction the step has other equations
     return {.least = 0, .open = true};
   case Parameter::prony_g:
   case Parameter::prony_k:
@@ -330,6 +339,9 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
     Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
     return constant(round_parts(shape).radius);
   }
+  case Parameter::friction:
+    return constant(scene.contacts[contact_of(scene, unknown)].friction);
+  case Parameter::surface_velocity:
   case Parameter::body:
   case Parameter::gravity:
   case Parameter::traction:

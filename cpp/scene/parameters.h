@@ -21,7 +21,13 @@ constexpr bool of_branch(Parameter of) { return of >= Parameter::prony_g && of <
 constexpr bool of_foundation(Parameter of) {
   return of >= Parameter::normal_stiffness && of <= Parameter::tangential_damping;
 }
-constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
+/// Whether a parameter belongs to the friction of an obstacle.
+constexpr bool of_friction(Parameter of) {
+  return of == Parameter::friction || of == Parameter::surface_velocity;
+}
+constexpr bool of_obstacle(Parameter of) {
+  return (of >= Parameter::position && of <= Parameter::radius) || of_friction(of);
+}
 
 /// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these
 /// components or a factor on all of them.

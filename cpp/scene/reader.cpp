@@ -194,6 +194,8 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
   if (!end)
     fail(key, fmt::format("found {}; expected expressions of position only, without t", value_text(table)));
   Reader in(table, full(key), source_);
+  if (!in.has("column") && !in.has("file"))
+    in.refuse();
   const std::string column = in.text("column");
   const std::filesystem::path given = in.text("file");
   in.finish();

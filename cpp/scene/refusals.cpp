@@ -18,10 +18,10 @@ struct Refusal {
 /// Table of all effects outside the model.
 const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
-      {"friction",
-       "contact forces act along the normal alone",
-       {"friction", "frictional", "mu", "coulomb", "tresca", "stick", "slip"},
-       {"contact.obstacle.surface_velocity"}},
+      {"Tresca friction",
+       "the bound of friction is Coulomb's, contact.friction times the normal force",
+       {"tresca"},
+       {"contact.bound", "contact.friction.bound", "contact.friction.stress", "contact.friction.traction"}},
       {"contact between bodies",
        "a scene has one deformable body, obstacles are rigid",
        {"slave", "master", "against", "self", "bodies", "tie"},
@@ -62,6 +62,7 @@ struct Synonym {
   const char* instead;                ///< the effect's own key, as text for users
   std::vector<std::string> words;     ///< words of a key's last name or value
   std::vector<std::string> keys = {}; ///< whole keys
+  const char* own = "";               ///< the effect's own key if it has one of the words
 };
 
 /// Table of names that other programs and textbooks have for keys of scenes.
@@ -85,6 +86,19 @@ const std::vector<Synonym>& synonyms() {
        {"axisymmetric", "axisymmetry", "axisym"},
        {"mesh.plane_stress", "material.plane_stress", "plane_stress", "mesh.plane_strain",
         "material.plane_strain", "plane_strain"}},
+      {"give elasticity as material.young and material.poisson",
+       {},
+       {"material.mu", "material.lambda", "material.lame", "material.shear_modulus"}},
+      {"give Coulomb friction as contact.friction, one coefficient for stick and slip: a number or an "
+       "expression in x, y, z, t",
+       {"friction", "frictional", "coulomb", "mu", "stick", "slip"},
+       {"contact.friction.coefficient", "contact.friction.value", "contact.friction.static",
+        "contact.friction.kinetic", "contact.friction.dynamic"},
+       "contact.friction"},
+      {"give the motion of a belt or of a roller's surface as contact.obstacle.surface_velocity in m/s",
+       {"belt", "conveyor", "spin"},
+       {"contact.surface_velocity", "contact.obstacle.angular_velocity", "contact.obstacle.omega",
+        "contact.obstacle.rotation", "contact.obstacle.surface_speed"}},
       {"forces of a body in the plane are per metre of thickness, so divide loads in N by the thickness. A "
        "thin plate has mesh.model = \"plane-stress\"",
        {"thickness"}}};
@@ -106,13 +120,14 @@ std::vector<std::string> words(std::string_view name) {
 
 std::string refusal(std::string_view key, std::string_view value) {
   const auto named = words(key.substr(key.rfind('.') + 1)), valued = words(value);
+  const bool quantity = named.front() == "of"; // its values are no keys
   const auto requests = [&](const auto& one) {
     return std::ranges::find(one.keys, key) != one.keys.end() ||
            std::ranges::find_first_of(named, one.words) != named.end() ||
            std::ranges::find_first_of(valued, one.words) != valued.end();
   };
   for (const Synonym& one : synonyms())
-    if (requests(one))
+    if (key != one.own && !quantity && requests(one))
       return fmt::format("unknown; {}", one.instead);
   for (const Refusal& one : refusals())
     if (requests(one))

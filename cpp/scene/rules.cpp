@@ -90,6 +90,21 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", whose projection needs the "
                     "mass of contact nodes; set mass to \"consistent\"");
+  if (contact.frictional() && scene.time.automatic())
+    in.fail("friction",
+            "found together with time.step = \"auto\", whose error estimates do not include slip; "
+            "give a step length");
+  if (contact.frictional() && std::holds_alternative<SignedDistance>(contact.obstacle) &&
+      moves(contact.obstacle))
+    in.fail("friction", "found with a signed distance that moves, whose motion along the surface is not "
+                        "defined; use another shape, or obstacle.surface_velocity of one at rest");
+  if (contact.surface_velocity && !contact.frictional())
+    in.table("obstacle").fail("surface_velocity", "has no effect without friction; give contact.friction");
+}
+
+void require_rules(Reader& in, const Initial& initial, const Scene&) {
+  if (initial.equilibrium && initial.displacement)
+    in.fail("static", "found together with initial.displacement, which it replaces; remove one of them");
 }
 
 void require_rules(Reader& in, Control& control, const Scene& scene) {
@@ -159,6 +174,12 @@ std::string obstacle_name(Reader& in, const Scene& scene) {
   return unique_name(in, fmt::format("obstacle {}", scene.contacts.size()), scene.contacts, "contact");
 }
 
+void require_rules(Reader& in, const Solver& solver, const Scene& scene) {
+  if (solver.vi == ViMethod::full && scene.frictional())
+    in.fail("vi", "found \"full\" with contact.friction, whose steps are no variational inequality in the "
+                  "displacements; use \"condensed\"");
+}
+
 void require_rules(Reader& in, Probe& probe, const Scene& scene) {
   const std::vector<Probe>& probes = scene.output.probes;
   probe.name = unique_name(in, fmt::format("probe {}", probes.size()), probes, "output.probe");
@@ -180,6 +201,8 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene) {
 void require_rules(Reader& in, const Output& output, const Scene& scene) {
   if (output.field(StoredField::pressure) && scene.contacts.empty())
     in.fail("fields", "found \"pressure\", which has no meaning without contact; add a table [contact]");
+  if (output.field(StoredField::friction) && !scene.frictional())
+    in.fail("fields", "found \"friction\", which has no meaning without friction; give contact.friction");
 }
 
 void require_rules(Reader& in, const Exact&, const Scene& scene) {
@@ -303,8 +326,11 @@ private:
 void require_dimension(const Scene& scene, int dim) {
   const Dimension require(scene, dim);
   require.plane_model();
-  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
-    require.obstacle(scene.contacts[i].obstacle, contact_key(scene.contacts, i) + ".obstacle.");
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const std::string key = contact_key(scene.contacts, i) + ".obstacle.";
+    require.obstacle(scene.contacts[i].obstacle, key);
+    require.vector(scene.contacts[i].surface_velocity, key + "surface_velocity");
+  }
   for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
     const Clamp& clamp = scene.clamps[i];
     require.acting(clamp.components, clamp_key(scene.clamps, i) + ".components");

@@ -19,11 +19,13 @@ void require_rules(Reader& in, const Ball& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
 void require_rules(Reader& in, const Load& load, const Scene& scene);
+void require_rules(Reader& in, const Initial& initial, const Scene& scene);
 void require_rules(Reader& in, Control& control, const Scene& scene);
 void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
+void require_rules(Reader& in, const Solver& solver, const Scene& scene);
 /// Checks the rules of [[unknown]] and sets name, start and scale if the table does not give them.
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene);
 /// Checks the rules of [[measurement]] and sets the name if the table does not give it.

@@ -67,9 +67,15 @@ struct Contact {
   std::string name; ///< name of the obstacle in tables, unique
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
+  Expression friction = 0; ///< coefficient μ of Coulomb friction, as an expression in x, y, z, t
+  /// Velocity of the obstacle's material along its surface, in addition to that of its motion, m/s, as
+  /// expressions in x, y, z, t; its normal part has no effect.
+  std::optional<Components> surface_velocity;
 
   /// Whether the candidates of this obstacle have no mass along the contact normal.
   [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
+  /// Whether the obstacle has friction.
+  [[nodiscard]] bool frictional() const { return friction != Expression(0); }
 };
 
 /// One table [[load.traction]].
@@ -96,6 +102,7 @@ struct Load {
 struct Initial {
   std::optional<Components> displacement; ///< m, as expressions in x, y, z
   std::optional<Components> velocity;     ///< m/s, as expressions in x, y, z
+  bool equilibrium = false; ///< whether the displacement is that of static equilibrium without friction
 };
 
 /// A control that an earlier run stored.
@@ -290,6 +297,8 @@ struct Scene {
 
   /// Treatment of contact, from time.scheme and contact.mass.
   [[nodiscard]] ContactScheme contact_scheme() const;
+  /// Whether an obstacle has friction.
+  [[nodiscard]] bool frictional() const { return std::ranges::any_of(contacts, &Contact::frictional); }
   /// Whether a material relaxes.
   [[nodiscard]] bool relaxes() const { return std::ranges::any_of(materials, &Material::relaxes); }
 };

@@ -208,6 +208,8 @@ std::vector<std::vector<Entry>> entries_of(const std::variant<Shapes...>*) {
 
 static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
 
+constexpr const char* surface_velocity = "surface_velocity";
+
 /// Makes the key `obstacle`, a table whose keys depend on the shape.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
@@ -221,10 +223,21 @@ Key<Contact> obstacle() {
                      "`\"obstacle 1\"`, `\"obstacle 2\"` … by position in the scene",
                      Text::schema(),
                      {}};
+  const Entry surface{
+      surface_velocity,
+      {.unit = "m/s",
+       .meaning =
+           "velocity of the obstacle's surface, added to that of the obstacle: a belt, or a roller that "
+           "turns. Only with `contact.friction`",
+       .effect = "friction"},
+      Expressions{}.words(),
+      "none",
+      Expressions{}.schema(),
+      {}};
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
   for (const auto& keys : entries_of(static_cast<const Obstacle*>(nullptr))) {
     const std::string& name = shapes[key.json["oneOf"].size()];
-    std::vector<Entry> all{{"shape", info, quoted(shapes), {}, {{"const", name}}, {}}, called};
+    std::vector<Entry> all{{"shape", info, quoted(shapes), {}, {{"const", name}}, {}}, called, surface};
     all.insert(all.end(), keys.begin(), keys.end());
     key.json["oneOf"].push_back(object(all));
     key.children.insert(key.children.end(), all.begin(), all.end());
@@ -233,11 +246,16 @@ Key<Contact> obstacle() {
     Reader table = in.table("obstacle");
     to.name = obstacle_name(table, scene);
     to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
+    to.surface_velocity.reset();
+    if (table.has(surface_velocity))
+      to.surface_velocity = Expressions{}.read(table, surface_velocity, scene);
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
   };
   key.line = [](const Contact& from) {
     const auto shape = static_cast<Shape>(from.obstacle.index());
-    const std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
+    std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
+    if (from.surface_velocity)
+      first += fmt::format(", {} = {}", surface_velocity, written(*from.surface_velocity));
     const auto on_line = [&](const auto& one) { return on_one_line(one, first); };
     return std::visit(on_line, from.obstacle);
   };
@@ -254,6 +272,8 @@ Keys<Contact> keys_of(Of<Contact>) {
                 "`\"massless\"`: candidates that face the obstacle have no mass in the normal direction; "
                 "their neighbours take this mass. Not with `\"contact-stabilized\"`",
                 {.effect = "massless contact"}),
+          value("friction", &Contact::friction, Coefficient{{not_negative}}, "",
+                "coefficient of Coulomb friction between the body and the obstacle", {.effect = "friction"}),
           value("initial", &Contact::initial, Choice<ContactStart>{}, "",
                 "`\"project\"`: nodes that start inside the obstacle are moved out by the shortest path")};
 }
@@ -286,10 +306,16 @@ Keys<Load> keys_of(Of<Load>) {
 }
 
 Keys<Initial> keys_of(Of<Initial>) {
-  return {value("displacement", &Initial::displacement, Expressions{.time = false}, "m", "",
-                {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial displacement"}),
-          value("velocity", &Initial::velocity, Expressions{.time = false}, "m/s", "",
-                {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial velocity"})};
+  return {
+      value("displacement", &Initial::displacement, Expressions{.time = false}, "m", "",
+            {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial displacement"}),
+      value("velocity", &Initial::velocity, Expressions{.time = false}, "m/s", "",
+            {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial velocity"}),
+      value("static", &Initial::equilibrium, Flag{}, "",
+            "`true`: the displacement is that of the equilibrium without friction under the loads of t = 0. "
+            "Along directions in which nothing holds the body it is that of a body which the loads "
+            "accelerate without vibrations. Not with `displacement`",
+            {.effect = "static start"})};
 }
 
 Keys<StoredControl> keys_of(Of<StoredControl>) {
@@ -438,8 +464,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
                "density. Of a foundation: springs or dashpots. Of "
                "an initial field: the value of one component in the whole body, "
                "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
-               "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of a load: a factor "
-               "on the load"),
+               "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of its friction: the "
+               "coefficient, or a factor on the `surface_velocity`. Of a load: a factor on the load"),
       value("name", &Unknown::name, Text{"text"}, "", "name in tables",
             {.otherwise = "made from `of`, such as `\"young\"`"}),
       value("on", &Unknown::on, Text{}, "",
@@ -462,8 +488,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
             "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
             {.otherwise =
-                 "`\"log\"` for moduli, viscosities, Rayleigh coefficients, relaxation times, densities and "
-                 "foundations; else `\"linear\"`"}),
+                 "`\"log\"` for moduli, viscosities, Rayleigh coefficients, relaxation times, densities, "
+                 "foundations and friction; else `\"linear\"`"}),
       inline_table("prior", &Unknown::prior, {})};
 }
 
@@ -612,9 +638,9 @@ Keys<Output> keys_of(Of<Output>) {
                                       Output::most_frames)},
             [](const Output& output) { return output.every > 0; }),
       value("fields", &Output::fields, Set<StoredField>{}, "",
-            "fields to store, if the verb computes them; `\"strain\"`, `\"stress\"`, `\"von_mises\"` and "
-            "`\"pressure\"` are stored only if named (see Stress and pressure). `[]` stores none and saves "
-            "their cost",
+            "fields to store, if the verb computes them; `\"strain\"`, `\"stress\"`, `\"von_mises\"`, "
+            "`\"pressure\"` and `\"friction\"` are stored only if named (see Stress and pressure). `[]` "
+            "stores none and saves their cost",
             {.effect = "stored fields"}),
       value("tables", &Output::tables, Set<StoredTable>{}, "",
             "tables to write, if the verb computes them; `[]` writes none", {.effect = "tables"}),

@@ -20,6 +20,9 @@ struct ParameterRates::Rate {
   std::optional<ForceAtStep> force; ///< evaluates `load` at a step
   std::optional<contact::ContactPairs::Rates> pairs;
   int obstacle = 0;
+  bool friction = false;  ///< whether the coefficient of friction of `obstacle` is unknown
+  double coefficient = 0; ///< value of this coefficient
+  std::optional<scene::Field> surface_velocity; ///< derivative of that of `obstacle`
   scene::ObstacleRate obstacle_rate;
   petsc::Vector y0, v0;
 
@@ -62,6 +65,16 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
     case displacement:
     case velocity:
       add_initial(scene, unknown, rate);
+      break;
+    case friction:
+      rate.friction = true;
+      rate.coefficient = values[j];
+      rate.obstacle = static_cast<int>(scene::contact_of(scene, unknown));
+      break;
+    case surface_velocity:
+      rate.obstacle = static_cast<int>(scene::contact_of(scene, unknown));
+      rate.surface_velocity.emplace(*scene.contacts[static_cast<std::size_t>(rate.obstacle)].surface_velocity,
+                                    "contact.obstacle.surface_velocity", true);
       break;
     case position:
     case angle:
@@ -322,14 +335,41 @@ double ParameterRates::pairing(std::size_t j, Vec p, const petsc::Series& z) {
 
 bool ParameterRates::constraint(std::size_t j, std::span<double> c) {
   Rate& rate = *rates_[j];
+  if (rate.surface_velocity) {
+    std::ranges::fill(c, 0);
+    stepper_.pairs()->add_surface_ways(rate.obstacle, *rate.surface_velocity, made_->step.begin,
+                                       made_->step.end, c);
+    return true;
+  }
   if (!rate.pairs)
     return false;
   stepper_.pairs()->set_time(rate.obstacle, rate.obstacle_rate, made_->step.end, *rate.pairs);
+  std::ranges::fill(c, 0); // of tangential rows
   std::ranges::copy(rate.pairs->psi, c.begin());
   if (rate.turns()) {
     rate.pairs->rows->apply_transpose(made_->to.y(), components_);
     for (std::size_t i = 0; i < c.size(); ++i)
       c[i] -= components_[i];
+  }
+  return true;
+}
+
+bool ParameterRates::law(std::size_t j, std::span<double> c) const {
+  const Rate& rate = *rates_[j];
+  if (!rate.friction)
+    return false;
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const contact::ContactLinearisation& contact = made_->contact;
+  std::ranges::fill(c, 0);
+  std::size_t at = 0;
+  for (std::size_t n = 0; n < contact.active.size(); ++n) {
+    const int i = contact.active[n];
+    const std::size_t k = pairs.rows().size(i);
+    if (pairs.obstacles()[i] == rate.obstacle &&
+        contact.equations[n].motion == contact::Motion::slips) // σ = μ λ d: by μ, λ d
+      for (std::size_t row = 1; row < k; ++row)
+        c[pairs.rows().row(i, row)] = contact.forces[at + row] / rate.coefficient;
+    at += k;
   }
   return true;
 }

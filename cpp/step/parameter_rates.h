@@ -50,6 +50,10 @@ public:
   /// false and leaves `c` unchanged if c_kj is zero.
   bool constraint(std::size_t j, std::span<double> c);
 
+  /// Sets `c` (rows) to the derivative by unknown j of the right-hand sides of the linearised contact laws.
+  /// Returns false and leaves `c` unchanged if it is zero.
+  bool law(std::size_t j, std::span<double> c) const;
+
   /// Sets `r` to r_kj and `e` (one entry for each row, m) to e_kj, the right-hand sides by which unknown j
   /// changes the projection of the predictor.
   /// Returns false and leaves both unchanged if Z_k is empty or both are zero.

@@ -53,8 +53,9 @@ Vec PredictorProjection::linearised_jump(const contact::ActiveSet& set, Vec x, W
   check(VecCopy(x, work.jump));
   contact::LinearisedContact projection{.r = work.r, .set = set, .x = work.jump};
   if (data) {
-    projection.value = data->normal;
-    projection.multipliers = data->multipliers;
+    const auto rows = static_cast<std::size_t>(pairs_.rows().count());
+    projection.value = data->normal.first(std::min(rows, data->normal.size()));
+    projection.multipliers = data->multipliers.first(std::min(rows, data->multipliers.size()));
   }
   solver_.contact()->solve_linearised(projection, work.solver);
   check(VecAXPY(work.jump, -1, x));

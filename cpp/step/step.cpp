@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/step.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "base/timers.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/mass_redistribution.h"
+#include "contact/solver/law_solver.h"
 #include "fem/wave_time.h"
 #include <algorithm>
 #include <cmath>
@@ -62,9 +64,16 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   const double solves = step_lengths_ ? 0 : needs.passes * scene.time.steps;
   if (scene::has_massless_candidates(contact_scheme_))
     move_mass(scene);
-  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
-    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
-                       needs.derivatives, solves);
+  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized) {
+    if (frictional()) { // the predictor is projected along normals only
+      std::vector<scene::Contact> smooth = scene.contacts;
+      for (scene::Contact& contact : smooth)
+        contact.friction = 0;
+      smooth_pairs_.emplace(space, clamped_, smooth, scene.time);
+    }
+    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_,
+                       smooth_pairs_ ? *smooth_pairs_ : *pairs_, solver, needs.derivatives, solves);
+  }
   if (MovingClamps::in(scene.clamps))
     moving_clamps_.emplace(space, scene.clamps);
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
@@ -99,6 +108,9 @@ Stepper::Workspace Stepper::workspace() const {
     work.weights.resize(branches());
     work.weights_p.resize(branches());
   }
+  if (frictional())
+    for (std::vector<double>* values : {&work.slip_gaps, &work.motion, &work.mu})
+      values->resize(rows());
   if (pairs_) {
     work.gaps = pairs_->gaps();
     work.contact = solver().contact()->workspace();
@@ -205,11 +217,34 @@ void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State
 
 } // namespace
 
+namespace {
+
+std::string described(const contact::LawFailure& failure, const contact::ContactPairs& pairs) {
+  return fmt::format("{}, at the node at {} with the coefficient of friction {:.4g}{}", failure.what(),
+                     point_text(&pairs.points()[3 * static_cast<std::size_t>(failure.group)]),
+                     failure.friction,
+                     failure.friction < failure.critical
+                         ? "; shorten the steps"
+                         : fmt::format(". From {:.4g} on several forces are possible there, or none can be "
+                                       "reached; shorten the steps or lower the coefficient",
+                                       failure.critical));
+}
+
+} // namespace
+
+void Stepper::set_slip_gaps(const StepInput& in, std::span<const double> psi, Workspace& work) const {
+  const auto m = static_cast<std::size_t>(pairs_->count());
+  pairs_->obstacle_ways(in.step.begin, in.step.end, work.slip_gaps);
+  pairs_->rows().apply_transpose(in.from.y(), work.motion);
+  for (std::size_t row = m; row < work.motion.size(); ++row)
+    work.slip_gaps[row] += work.motion[row];
+  std::ranges::copy(psi, work.slip_gaps.begin());
+}
+
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = in.step.scheme();
   const StepOperators::PerStepLength& with = of_length(scheme.tau);
-  const std::span<const double> psi =
-      pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
+  std::span<const double> psi = pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
   const Vec jump = predictor_
                        ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
                                           out.contact.predictor, *work.predictor)
@@ -225,9 +260,20 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   if (moving_clamps_)
     moving_clamps_->apply(*work.moving_clamps, with.whole_D, clamped_, with.clamped_diagonal, work.r);
   // (4.21): D y_k + N λ_k = r, 0 ≤ λ_k ⊥ g(y_k) ≥ 0
+  if (frictional()) {
+    set_slip_gaps(in, psi, work);
+    psi = work.slip_gaps;
+    const std::span<const double> friction = pairs_->friction(in.step.end, *work.gaps);
+    out.contact.friction.assign(friction.begin(), friction.end());
+    pairs_->rows().spread(in.previous, work.mu);
+  }
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
-    const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
-    solver->solve(problem, *work.contact);
+    const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y(), work.mu};
+    try {
+      solver->solve(problem, *work.contact);
+    } catch (const contact::LawFailure& failure) {
+      throw SolverFailure(described(failure, *pairs_));
+    }
   } else
     with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to); // (4.22)
@@ -249,12 +295,33 @@ const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::P
   return solver;
 }
 
+AdjointState Stepper::adjoint_state() const {
+  AdjointState state(space_.vector(), branches());
+  if (frictional())
+    state.slip = space_.vector();
+  return state;
+}
+
+std::span<const double> Stepper::with_slip(std::span<const double> value, const State& from,
+                                           Workspace& work) const {
+  if (!frictional())
+    return value;
+  const contact::ConstraintRows& rows = pairs_->rows();
+  rows.apply_transpose(from.y(), work.motion);
+  for (std::size_t i = 0; i < work.motion.size(); ++i)
+    work.slip_gaps[i] =
+        (value.empty() ? 0 : value[i]) + (i < static_cast<std::size_t>(rows.groups()) ? 0 : work.motion[i]);
+  return work.slip_gaps;
+}
+
 void Stepper::solve_on_active_set(double tau, Direction direction,
                                   const contact::ContactLinearisation& contact, std::span<const double> value,
-                                  Vec x, std::span<double> multipliers, Workspace& work) const {
+                                  Vec x, std::span<double> multipliers, Workspace& work,
+                                  std::span<const double> law, std::span<double> law_duals) const {
   const StepOperators::PerStepLength& with = of_length(tau);
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
-    const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers};
+    const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers,
+                                          law,    law_duals};
     if (direction == Direction::linearised)
       solver->solve_linearised(step, *work.contact);
     else
@@ -267,8 +334,6 @@ void Stepper::solve_on_active_set(double tau, Direction direction,
 void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
                               Workspace& work) const {
   const contact::ConstraintRows& rows = pairs_->rows();
-  if (!rows.symmetric())
-    throw std::logic_error("one-sided steps need symmetric contact laws");
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m), lambda(m);
   rows.spread(contact, lambda);
@@ -315,8 +380,8 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
-                      step.multipliers, work);
+  solve_on_active_set(step.scheme.tau, Direction::linearised, contact,
+                      with_slip(step.normal, step.from, work), step.to.y(), step.multipliers, work, step.law);
   set_velocity(step.scheme, step.from, jump, step.to);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
@@ -327,7 +392,16 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
   if (contact.weak.empty())
     return linearised_step(step, contact, work);
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_one_sided(step.scheme, contact, step.to.y(), work);
+  if (frictional()) {
+    const contact::ActiveSet set = contact.active;
+    const contact::LinearisedContact one{.r = work.r,
+                                         .set = set,
+                                         .value = with_slip(step.normal, step.from, work),
+                                         .x = step.to.y(),
+                                         .multipliers = step.multipliers};
+    contact_solver(of_length(step.scheme.tau), work)->solve_one_sided(one, contact, *work.contact);
+  } else
+    solve_one_sided(step.scheme, contact, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
@@ -365,14 +439,24 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
   // (4.41): r = R_{k+1} p_{k+1} + M momentum + ∂J/∂y_k
   right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
   add_branch_duals(step, rate == 0, work);
+  if (step.state.slip)
+    check(VecAXPY(work.r, 1, step.state.slip));
   return jump;
 }
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
   // D_k p_k + N μ_k = r, p_k·ν_i = 0 for i in A_k
+  const std::span<double> mu =
+      step.multipliers.empty() && step.state.slip ? std::span<double>(work.mu) : step.multipliers;
   solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
-                      step.state.p, step.multipliers, work);
+                      step.state.p, mu, work, {}, step.law_duals);
+  if (step.state.slip) { // the gaps of tangential rows in step k contain y_{k−1}
+    std::ranges::copy(mu, work.motion.begin());
+    std::fill_n(work.motion.begin(), pairs_->count(), 0.0);
+    check(VecZeroEntries(step.state.slip));
+    pairs_->rows().apply(1, work.motion, step.state.slip);
+  }
   ++adjoint_steps;
   return jump;
 }

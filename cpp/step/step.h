@@ -46,6 +46,8 @@ struct AdjointState {
   petsc::Vector p, p_next; ///< p_k (before step k a guess of it) and p_{k+1}
   petsc::Vector omega;     ///< ω_{k+1} before step k, ω_k after it
   petsc::Series z;         ///< of step k + 1 before step k, then of step k: A_j z_j is the dual of q_j,k
+  petsc::Vector slip; ///< T μ_t of step k + 1 before step k, then of step k: its friction's dual of y; null
+                      ///< without friction
 
   /// Creates the adjoint state after step N, which is zero, for a body with `branches` branches. Collective.
   AdjointState(Vec like, std::size_t branches)
@@ -80,6 +82,8 @@ struct LinearisedStep {
   State& to;                        ///< (δy, δv) at t_k; on entry y() is a guess as in StepOutput
   std::span<const double> normal{}; ///< prescribed Hᵀδy on the active set (rows, m); empty: zero
   std::span<double> multipliers{};  ///< δλ on return (rows); empty: not computed
+  std::span<const double>
+      law{}; ///< with friction: right-hand sides of the linearised laws (rows); empty: zero
   const PredictorProjection::Data* predictor = {}; ///< data of an inhomogeneous projection to δz; else null
 };
 
@@ -97,6 +101,8 @@ struct AdjointStep {
   AdjointState& state;              ///< adjoint of step k + 1 on entry, of step k on return
   std::span<const double> normal{}; ///< prescribed Hᵀp_k = ∂J/∂λ_k on the active set (rows); empty: zero
   std::span<double> multipliers{};  ///< μ_k on return (rows); empty: not computed
+  std::span<double> law_duals{};    ///< with friction: minus the derivatives by the right-hand sides of the
+                                    ///< linearised laws on return (rows); empty: not computed
   const PredictorProjection::Data* predictor = {}; ///< data of an inhomogeneous projection of s_{k+1} (see
                                                    ///< Stepper::adjoint_step()); else null
 };
@@ -175,7 +181,9 @@ public:
   /// Returns the number of vectors of a full state.
   [[nodiscard]] std::size_t state_parts() const { return State::own_parts + branches(); }
   /// Creates the zero adjoint state after step N. Collective.
-  [[nodiscard]] AdjointState adjoint_state() const { return {space_.vector(), branches()}; }
+  [[nodiscard]] AdjointState adjoint_state() const;
+  /// Whether candidates have friction.
+  [[nodiscard]] bool frictional() const { return pairs_ && !pairs_->rows().symmetric(); }
 
   /// Returns the memory that the contact scheme needs in addition to that of contact-implicit stepping, on
   /// all ranks, bytes. Collective.
@@ -188,6 +196,7 @@ public:
     std::vector<double> weights{}, weights_p{}; ///< factors of one vector, and of p, for each branch
     double tau = 0;                             ///< length of the step for which `contact` was used last, s
     std::optional<contact::ContactPairs::Gaps> gaps{};
+    std::vector<double> slip_gaps{}, motion{}, mu{}; ///< with friction: ψ, Hᵀy and multipliers (rows)
     std::optional<contact::Workspace> contact{};
     std::optional<PredictorProjection::Workspace> predictor{};
     std::optional<MovingClamps::Evaluation> moving_clamps{};
@@ -238,6 +247,12 @@ private:
   /// Sets work.r for a linearised step. Returns the predictor's jump, null without a jump.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
+  /// Sets work.slip_gaps to the gaps ψ (rows, m) of a step with friction: `psi` on normal rows, and Tᵀy_{k−1}
+  /// plus the ways of the obstacles on tangential ones.
+  void set_slip_gaps(const StepInput& in, std::span<const double> psi, Workspace& work) const;
+  /// Returns `value` (rows; empty: zero) plus Tᵀδy_{k−1} on the tangential rows; `value` itself without
+  /// friction.
+  std::span<const double> with_slip(std::span<const double> value, const State& from, Workspace& work) const;
   /// Returns the contact solver of a step length, null without contact. Resets its scratch in `work` if that
   /// was used for another length.
   const contact::ContactStepSolver* contact_solver(const StepOperators::PerStepLength& with,
@@ -247,7 +262,8 @@ private:
   /// `value` and `multipliers`: as in contact::LinearisedContact.
   void solve_on_active_set(double tau, Direction direction, const contact::ContactLinearisation& contact,
                            std::span<const double> value, Vec x, std::span<double> multipliers,
-                           Workspace& work) const;
+                           Workspace& work, std::span<const double> law = {},
+                           std::span<double> law_duals = {}) const;
   /// Computes ω_k of a transposed step from ω_{k+1}, and sets work.r = R p_{k+1} + M (rate ω_k − rate_{k+1}
   /// ω_{k+1} + j) + ∂J/∂y_k; for k = N only ∂J/∂y_N. `rate`: 2/τ_k, or 0 for k = 0. Returns the jump of
   /// s_{k+1}, null without a jump.
@@ -267,6 +283,8 @@ private:
   fem::DirichletDofs clamped_;
   std::optional<MovingClamps> moving_clamps_;
   std::optional<contact::ContactPairs> pairs_;
+  std::optional<contact::ContactPairs>
+      smooth_pairs_;                 ///< pairs_ without friction, for the predictor; else absent
   petsc::Matrix redistributed_mass_; ///< symmetric half of EᵀME; null unless contact is massless
   petsc::Matrix mass_blocks_, redistributed_blocks_; ///< mass matrix of the body, and EᵀME, in blocks
   std::optional<PredictorProjection> predictor_;

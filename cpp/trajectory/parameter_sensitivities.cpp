@@ -8,7 +8,7 @@ using petsc::check;
 ParameterSensitivities::ParameterSensitivities(const step::Stepper& stepper, step::ParameterRates& rates)
     : stepper_(stepper), rates_(rates), work_(stepper.workspace()), from_(stepper.state()),
       source_(stepper.space().vector()), force_(stepper.space().vector()), normal_(stepper.rows()),
-      predictor_normal_(normal_.size()), zeta_(normal_.size()) {
+      law_(normal_.size()), predictor_normal_(normal_.size()), zeta_(normal_.size()) {
   for (std::size_t j = 0; j < rates.count(); ++j)
     motions_.push_back({stepper.state(), std::vector<double>(normal_.size())});
 }
@@ -35,6 +35,7 @@ void ParameterSensitivities::observe(const Frame& frame) {
     check(VecScale(source_, 1 / scheme.impulse())); // as a nodal force
     std::ranges::fill(normal_, 0);
     rates_.constraint(j, normal_);
+    const bool of_law = rates_.law(j, law_);
     const bool projected = rates_.predictor(j, force_, predictor_normal_);
     const step::PredictorProjection::Data data{force_, predictor_normal_, zeta_};
     stepper_.linearised_step({frame.step.scheme(),
@@ -43,6 +44,7 @@ void ParameterSensitivities::observe(const Frame& frame) {
                               now.state,
                               normal_,
                               now.lambda,
+                              of_law ? std::span<const double>(law_) : std::span<const double>(),
                               projected ? &data : nullptr},
                              frame.contact, work_);
     rates_.add_branch_source(j, now.state);

@@ -37,7 +37,7 @@ private:
   step::Stepper::Workspace work_;
   step::State from_;
   petsc::Vector source_, force_;
-  std::vector<double> normal_, predictor_normal_, zeta_;
+  std::vector<double> normal_, law_, predictor_normal_, zeta_;
   std::vector<Derivative> motions_;
 };
 

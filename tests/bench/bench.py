@@ -73,6 +73,11 @@ def branches(*fractions: tuple[float, float]) -> str:
     return "".join(f"[[material.prony]]\ng = {g}\nk = {k}\ntime = {10.0**-(4 - i)}\n" for i, (g, k) in enumerate(fractions))
 
 
+def rubbed(contact: str, friction: float, belt: str = "") -> str:
+    """A contact table with friction."""
+    return contact.replace(" }\n", f"{belt} }}\nfriction = {friction}\n")
+
+
 SECTION = BODY.replace("half-disc.geo", "half-ball-section.geo")
 EFFECTS = {
     "half section": {"body": SECTION},
@@ -89,6 +94,9 @@ EFFECTS = {
     "+ relaxation, g = k": {"prony": branches((0.3, 0.3))},
     "+ relaxation, g and k": {"prony": branches((0.3, 0.1))},
     "+ three branches": {"prony": branches((0.3, 0.1), (0.2, 0.1), (0.1, 0.2))},
+    # beside "+ bounds"
+    "+ friction, sticks": {"prony": "", "foundation": "", "rayleigh": "", "contact": rubbed(OBSTACLE.format(height=-15.75), 1)},
+    "+ friction, slips": {"contact": rubbed(OBSTACLE.format(height=-15.75), 0.3, ', surface_velocity = ["1e3", "0"]')},
 }
 
 

@@ -58,7 +58,8 @@ def probes(group: str, point: str, obstacle: str = "obstacle 1") -> list[str]:
     return sets(output__probe=f"[{', '.join(every)}]")
 
 
-FIELDS = sets(output__fields='["displacement","velocity","strain","stress","von_mises","pressure"]', output__every=50)
+EVERY = '"displacement","velocity","strain","stress","von_mises","pressure"'
+FIELDS = sets(output__fields=f"[{EVERY}]", output__every=50)
 BLOCK, DISC, BALL = (SCENES / f"{name}.toml" for name in ("block", "half-disc", "half-ball"))
 SHORT = sets(mesh__size=4, time__step=2.5e-4)
 RUNS = {
@@ -68,6 +69,7 @@ RUNS = {
                                            foundation='[{on="top", damping={normal=1.0}}]')),  # fmt: skip
     "disc": ("simulate", DISC, *SHORT, *FIELDS, *probes("top", "[0, -5]")),
     "ball": ("simulate", BALL, *SHORT, *FIELDS, *probes("top", "[0, 0, -5]")),
+    "rough": ("simulate", BALL, *SHORT, *sets(contact__friction=0.3, output__fields=f'[{EVERY},"friction"]', output__every=50)),
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),
     "optimum": ("optimize", DISC, *SHORT, *sets(optimizer__max_iterations=4)),
     "space": ("optimize", BALL, *SHORT, *sets(optimizer__max_iterations=2)),

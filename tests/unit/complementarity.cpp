@@ -153,7 +153,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
                                               {2.0, -0.5 * allowed, contact::Status::strong}}) {
       CAPTURE(forces, gap, status);
       contact::ContactState s = state(i, forces * motion, gap);
-      CHECK(complementarity.holds(s.lambda, s.gap, allowed, 0));
+      CHECK(complementarity.holds(s, allowed, 0));
       s.active = {4, 3};
       complementarity.classify(s, still);
       contact::ActiveSet expected;
@@ -171,9 +171,9 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
          {std::pair{0.0, -2.0}, {-2.0, 0.0}, {2.0, 2.0}, {2.0, -2.0}, {-2.0, 2.0}}) {
       const contact::ContactState by_motion = state(i, forces * motion, gaps * allowed),
                                   by_gap = state(i, forces * allowed, gaps * allowed);
-      CHECK_FALSE(complementarity.holds(by_motion.lambda, by_motion.gap, allowed, 0));
-      CHECK_FALSE(complementarity.holds_within(allowed, by_gap.lambda, by_gap.gap));
-      CHECK(complementarity.holds_within(3 * allowed, by_gap.lambda, by_gap.gap));
+      CHECK_FALSE(complementarity.holds(by_motion, allowed, 0));
+      CHECK_FALSE(complementarity.holds_within(allowed, by_gap));
+      CHECK(complementarity.holds_within(3 * allowed, by_gap));
       contact::ContactState s = by_motion;
       CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);
     }

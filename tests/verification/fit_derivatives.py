@@ -99,6 +99,18 @@ SECTION = {"mesh__model": "axisymmetric", "mesh__file": str(SOURCE / "meshes" / 
 KEYS = {"relaxing, long-term moduli": {"material__moduli": "long-term"},
         "plate": {"mesh__model": "plane-stress", "material__viscosity__bulk": 13e4 / 6, "material__viscosity__shear": 1e4},
         "elastic plate": {"mesh__model": "plane-stress"}} | {name: SECTION for name in CASES if name.startswith("revolved")}  # fmt: skip
+# The body is thrown obliquely onto a belt: it sticks, slips and opens.
+BELT = ', surface_velocity = ["{}*(1 + 0.2*x/15)"{}] }}'
+RUBBED = [{"of": "friction", "start": 0.32}, {"of": "surface_velocity", "start": 0.9}, {"of": "position", "start": 0.05},
+          *(EVERY[i] for i in (0, 3, 4, 7)), {"of": "initial.velocity", "start": 0.97}]  # fmt: skip
+CASES |= {
+    "rubbed": (2, half_space(2)[:-2] + BELT.format(60, ', "0"'), RUBBED),
+    "rubbed in space": (3, half_space(3)[:-2] + BELT.format(60, ', "20", "0"'), RUBBED),
+    "rubbed by a ball": (2, '{ shape = "ball", center = [0, -40.2], radius = 25.0' + BELT.format(60, ', "0"'), RUBBED[:2]),
+    "revolved, rubbed": (2, half_space(2), [RUBBED[0], *RUBBED[2:7]]),
+}
+KEYS |= {name: {"contact__friction": 0.3} for name in CASES if "rubbed" in name}
+KEYS["revolved, rubbed"] |= SECTION
 SETTINGS = {
     "as it is": ({}, 1),
     "degree 2": ({"mesh__degree": 2}, 1),
@@ -112,8 +124,8 @@ COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as m
 
 def settings(name: str, scheme: str) -> list[str]:
     """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
-    once = "contact-stabilized" if name in ("ball", "space", "relaxing in space") else None
-    if name not in ("plane", "surroundings", "relaxing", "revolved", "plate") and scheme != once:
+    once = "contact-stabilized" if name in ("ball", "space", "relaxing in space", "rubbed in space") else None
+    if name not in ("plane", "surroundings", "relaxing", "revolved", "plate", "rubbed") and scheme != once:
         return ["as it is"]
     return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
 

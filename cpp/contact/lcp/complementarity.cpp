@@ -27,10 +27,11 @@ struct Values {
   const Law& law;
   std::size_t size;
   std::array<double, 3> multipliers, gaps;
+  double friction;
 
-  Values(const ConstraintRows& rows, int group, std::span<const double> lambda, std::span<const double> gap)
-      : law(rows.law(group)), size(rows.size(group)), multipliers(rows.of_group(group, lambda)),
-        gaps(rows.of_group(group, gap)) {}
+  Values(const ConstraintRows& rows, int group, const ContactState& state)
+      : law(rows.law(group)), size(rows.size(group)), multipliers(rows.of_group(group, state.lambda)),
+        gaps(rows.of_group(group, state.gap)), friction(state.friction_of(static_cast<std::size_t>(group))) {}
   [[nodiscard]] std::span<const double> rho() const { return {multipliers.data(), size}; }
   [[nodiscard]] std::span<const double> U() const { return {gaps.data(), size}; }
 };
@@ -81,9 +82,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (diameter_ + size));
   double penetration = 0, adhesion = 0, distance = 0;
-  const auto values = [&](std::size_t i) {
-    return Values{rows_, static_cast<int>(i), state.lambda, state.gap};
-  };
+  const auto values = [&](std::size_t i) { return Values{rows_, static_cast<int>(i), state}; };
   for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / multiplier_per_motion_[i]);
@@ -94,7 +93,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
       state.active.push_back(static_cast<int>(i));
     }
   }
-  if (!holds_to(gap_tolerance_, motion, state.lambda, state.gap))
+  if (!holds_to(gap_tolerance_, motion, state))
     throw SolverFailure(fmt::format("the contact solution is not complementary. The largest penetration is "
                                     "{:.3e} m, the largest gap with a force {:.3e} m (limit of both: {:.3e} "
                                     "m). Pulling forces move a node by {:.3e} m (limit {:.3e} m); {} of {} "
@@ -113,18 +112,21 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
       state.active.push_back(static_cast<int>(i));
       state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
       if (!rows_.symmetric())
-        state.equations.push_back(group.law.linearised(group.rho(), group.U()));
+        state.equations.push_back(group.law.linearised(group.rho(), group.U(), group.friction, closed));
     }
-    if (state.status[i] == Status::weak)
+    const bool weak = state.status[i] == Status::weak;
+    if (weak && !rows_.symmetric())
+      state.equations.back().limit = false; // it is about to open too
+    if (weak || (state.status[i] == Status::strong && !rows_.symmetric() && state.equations.back().limit))
       state.weak.push_back(static_cast<int>(i));
   }
 }
 
-bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
-                               std::span<const double> gap) const {
+bool Complementarity::holds_to(double negligible, double motion, const ContactState& state) const {
   for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
-    const Values group{rows_, static_cast<int>(i), lambda, gap};
-    if (!group.law.holds(group.rho(), group.U(), motion * multiplier_per_motion_[i], negligible))
+    const Values group{rows_, static_cast<int>(i), state};
+    if (!group.law.holds(group.rho(), group.U(), group.friction, motion * multiplier_per_motion_[i],
+                         negligible))
       return false;
   }
   return true;

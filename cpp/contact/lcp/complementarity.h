@@ -27,25 +27,23 @@ public:
   /// Whether the laws of all candidates are satisfied; for unilateral contact, 0 ≤ λ ⟂ g ≥ 0. Gaps up to
   /// `negligible` (m) count as zero, as do forces within the error of a solve with displacements up to `size`
   /// (m) and the relative error `tolerance`.
-  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap, double negligible,
-                           double size, double tolerance = 0) const {
-    return holds_to(negligible, negligible_motion(lambda, size, tolerance), lambda, gap);
+  [[nodiscard]] bool holds(const ContactState& state, double negligible, double size,
+                           double tolerance = 0) const {
+    return holds_to(negligible, negligible_motion(state.lambda, size, tolerance), state);
   }
 
   /// Whether the laws of all candidates are satisfied; for unilateral contact, 0 ≤ λ ⟂ g ≥ 0. Gaps up to
   /// `negligible` (m) count as zero, as do forces that would move their node by at most `negligible` if all
   /// other nodes were fixed.
-  [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
-                                  std::span<const double> gap) const {
-    return holds_to(negligible, negligible, lambda, gap);
+  [[nodiscard]] bool holds_within(double negligible, const ContactState& state) const {
+    return holds_to(negligible, negligible, state);
   }
 
 private:
   /// Displacement (m) below which forces count as zero: the one by which a force would move its node if all
   /// other nodes were fixed. `size`: largest displacement, m; `tolerance`: relative error of displacements.
   [[nodiscard]] double negligible_motion(std::span<const double> lambda, double size, double tolerance) const;
-  [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
-                              std::span<const double> gap) const;
+  [[nodiscard]] bool holds_to(double negligible, double motion, const ContactState& state) const;
 
   const ConstraintRows& rows_;
   double diameter_, gap_tolerance_;

@@ -2,6 +2,7 @@
 #include "contact/solver/condensed.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "contact/first_order.h"
 #include "contact/lcp/primal_dual.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
-#include <numeric>
 
 namespace signorini::contact {
 using petsc::check;
@@ -76,15 +76,13 @@ bool CondensedSolver::is_complementary(const ContactState& state, std::span<cons
   double size = 0;
   for (std::size_t i = 0; i < psi.size(); ++i)
     size = std::max({size, std::abs(psi[i] - gap0[i]), std::abs(psi[i] - state.gap[i])});
-  return complementarity_.holds(state.lambda, state.gap, complementarity_.negligible_gap(deepest(gap0), size),
-                                size);
+  return complementarity_.holds(state, complementarity_.negligible_gap(deepest(gap0), size), size);
 }
 
 void CondensedSolver::settle(ContactState& state, std::span<const double> psi, double negligible, int most,
                              Workspace& work) const {
   const auto settled = [&] {
-    return complementarity_.holds_within(negligible, state.lambda, state.gap) &&
-           is_complementary(state, psi, work.gap0);
+    return complementarity_.holds_within(negligible, state) && is_complementary(state, psi, work.gap0);
   };
   for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
     next_set(rows_, work.set, state.lambda, state.gap, work.next);
@@ -171,7 +169,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     rows_.prescribe(work.set, psi, y);
     rows_.gap(psi, y, state.gap);
     next_set(rows_, work.set, state.lambda, state.gap, work.next);
-    if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
+    if (work.next == work.set || complementarity_.holds_within(length_unit_, state))
       return;
     std::swap(work.set, work.next);
     for (int j : work.next) // the previous set
@@ -228,109 +226,42 @@ void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work)
   }
 }
 
-bool CondensedSolver::next(int group, const ContactState& state, LawEquation& equation) const {
-  const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
-  const std::size_t k = rows_.size(group);
-  return rows_.law(group).newton_equation({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group],
-                                          equation);
-}
-
-void CondensedSolver::add_to_multiplier(int row, double change, ContactState& state) const {
-  state.lambda[row] += change;
-  const std::span<const double> column = delassus_.column(row);
-  for (std::size_t j = 0; j < column.size(); ++j)
-    state.gap[j] += column[j] * change;
-}
-
-void CondensedSolver::newton_step(ContactState& state, Workspace& work) const {
-  work.set.clear();
-  work.equations.clear();
-  work.b.clear();
-  for (int i = 0; i < rows_.groups(); ++i) {
-    LawEquation law;
-    if (!next(i, state, law))
-      continue;
-    work.set.push_back(i);
-    work.equations.push_back(law);
-    for (std::size_t c = 0, k = rows_.size(i); c < k; ++c)
-      work.b.push_back(law.c[c] - times(law.E, k, c, rows_.of_group(i, work.gap0)));
-  }
-  delassus_.solve_equations(work.set, work.equations, false, work.b, work);
-  std::ranges::fill(state.lambda, 0);
-  std::ranges::copy(work.gap0, state.gap.begin());
-  auto force = work.b.begin();
-  for (const int i : work.set)
-    for (std::size_t c = 0; c < rows_.size(i); ++c)
-      add_to_multiplier(static_cast<int>(rows_.row(i, c)), *force++, state);
-  ++state.vi_iterations;
-}
-
-void CondensedSolver::relax(int group, ContactState& state) const {
-  constexpr int most = 20;
-  constexpr double rounding = 1e-14;
-  const std::size_t k = rows_.size(group);
-  LawEquation law;
-  for (int i = 0; i < most; ++i) {
-    const std::array<double, 3> rho = rows_.of_group(group, state.lambda),
-                                U = rows_.of_group(group, state.gap);
-    std::array<double, 3> change{-rho[0], -rho[1], -rho[2]};
-    if (next(group, state, law)) {
-      std::array<double, 9> X{}; // E S + F of the group, column by column
-      for (std::size_t j = 0; j < k; ++j) {
-        const std::array<double, 3> S =
-            rows_.of_group(group, delassus_.column(static_cast<int>(rows_.row(group, j))));
-        for (std::size_t c = 0; c < k; ++c)
-          X[j * k + c] = times(law.E, k, c, S) + law.F[c * k + j];
-      }
-      for (std::size_t c = 0; c < k; ++c)
-        change[c] = law.c[c] - times(law.E, k, c, U) - times(law.F, k, c, rho);
-      if (solve_general({X.data(), k * k}, k, false, {change.data(), k}) != 0)
-        return;
-    }
-    double moved = 0, size = 0;
-    for (std::size_t c = 0; c < k; ++c) {
-      add_to_multiplier(static_cast<int>(rows_.row(group, c)), change[c], state);
-      moved = std::max(moved, std::abs(change[c]));
-      size = std::max(size, std::abs(rho[c]));
-    }
-    if (moved <= rounding * size)
-      return;
-  }
-}
-
 void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work) const {
   ContactState& state = step.state;
-  const double negligible = std::min(rounding(step.psi, work.gap0), length_unit_);
-  const auto settled = [&] { return complementarity_.holds_within(negligible, state.lambda, state.gap); };
-  std::ranges::fill(state.lambda, 0);
-  std::ranges::copy(work.gap0, state.gap.begin());
-  std::vector<int> all(static_cast<std::size_t>(rows_.count()));
-  std::iota(all.begin(), all.end(), 0);
-  delassus_.prepare(std::span(all).first(static_cast<std::size_t>(rows_.groups())));
-  constexpr int steps = 20;
-  for (const int sweeps : {0, 30, 300}) {
-    if (sweeps > 0) {
-      delassus_.prepare(all);
-      on_root<SolverFailure>(rows_.comm(), [&] {
-        for (int i = 0; i < sweeps && !settled(); ++i)
-          for (int group = 0; group < rows_.groups(); ++group)
-            relax(group, state);
-      });
-      for (std::vector<double>* values : {&state.lambda, &state.gap})
-        MPI_Bcast(values->data(), static_cast<int>(values->size()), MPI_DOUBLE, 0, rows_.comm());
-    }
-    for (int i = 0; i < steps && !settled(); ++i)
-      newton_step(state, work);
-    if (settled())
+  const double negligible = std::min(this->negligible(step.psi, work.gap0), length_unit_);
+  laws_.solve(step.guess, negligible, state, work);
+  constexpr int passes = 3; // of refinement, where the rounding of S leaves gaps
+  for (int pass = 0;; ++pass) {
+    delassus_.finish(step.psi, state.lambda, state.gap, step.y, work);
+    if (pass == passes || laws_.residual(state) <= negligible)
       return;
+    laws_.newton_step(state, work);
   }
-  throw SolverFailure(fmt::format("the contact laws of {} candidates "
-                                  "did not converge in {} Newton iterations",
-                                  rows_.groups(), state.vi_iterations));
+}
+
+void CondensedSolver::solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
+                                      Workspace& work) const {
+  const FirstOrderLaws laws(rows_, contact);
+  ContactState change(rows_.groups(), rows_.count());
+  change.friction = laws.friction();
+  delassus_.predict_gap(step.r, {step.x, step.set}, step.value, work.gap0, work.half_solve);
+  LawSolver(rows_, delassus_, laws.laws()).solve({}, negligible(step.value, work.gap0), change, work);
+  delassus_.finish(step.value, change.lambda, change.gap, step.x, work);
+  if (!step.multipliers.empty())
+    std::ranges::copy(change.lambda, step.multipliers.begin());
+  laws.select(change, contact);
+}
+
+double CondensedSolver::negligible(std::span<const double> psi, std::span<const double> gap0) const {
+  double motion = 0;
+  for (const double gap : gap0)
+    motion = std::max(motion, std::abs(gap));
+  constexpr double relative = 1e-13; // rounding of S ρ
+  return std::max(rounding(psi, gap0), relative * motion);
 }
 
 void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
-  const auto& [r, psi, previous, state, y] = step;
+  const auto& [r, psi, previous, state, y, guess] = step;
   state.vi_iterations = 0;
   delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.half_solve);
   work.set.clear();
@@ -345,7 +276,6 @@ void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
     count_solved();
   if (!open && !rows_.symmetric()) {
     solve_by_laws(step, work);
-    delassus_.finish(psi, state.lambda, state.gap, y, work);
   } else {
     if (!open)
       solve_by_sets(step, work);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/delassus_operator.h"
 #include "contact/lcp/complementarity.h"
+#include "contact/solver/law_solver.h"
 #include <functional>
 
 namespace signorini::contact {
@@ -21,9 +21,8 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// method run on rank 0 alone, because LAPACK's rounding may differ between ranks. If columns of S are
 /// computed on demand, block pivoting replaces all of these methods.
 ///
-/// Laws with a non-symmetric system (Law::symmetric()) are solved by Newton steps. If these do not settle,
-/// block Gauss–Seidel sweeps over the groups precede further Newton steps. For symmetric laws, the gaps on
-/// the active set have a rounding error relative to the motion without contact. In very long steps this
+/// Laws with a non-symmetric system (Law::symmetric()) are solved by LawSolver. For symmetric laws, the gaps
+/// on the active set have a rounding error relative to the motion without contact. In very long steps this
 /// motion is so much longer than the body that the error exceeds the accepted penetration; the solution is
 /// then refined from its residual.
 class CondensedSolver final : public ContactStepSolver {
@@ -42,6 +41,8 @@ public:
   void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
     delassus_.solve_transposed(step, work);
   }
+  void solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
+                       Workspace& work) const override;
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
 
 private:
@@ -68,20 +69,12 @@ private:
   void pivot(ContactState& state, std::span<const double> psi, Workspace& work) const;
   /// Computes λ, gaps and the active set for symmetric laws; some predicted gap must be negative. Collective.
   void solve_by_sets(const ContactProblem& step, Workspace& work) const;
-  /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
-  [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
-  /// Adds `change` to a row's multiplier, and its effect to all gaps.
-  void add_to_multiplier(int row, double change, ContactState& state) const;
-  /// Takes one Newton step for the laws of all groups. Collective.
-  void newton_step(ContactState& state, Workspace& work) const;
-  /// Solves the law of one group with the multipliers of all other groups fixed: a step of block
-  /// Gauss–Seidel.
-  void relax(int group, ContactState& state) const;
-  /// Computes multipliers and gaps by Newton steps. If these do not settle, makes sweeps of relax() and then
-  /// Newton steps again. Collective.
+  /// Computes λ, gaps and y for laws that are not symmetric; some predicted gap must be negative. Collective.
   void solve_by_laws(const ContactProblem& step, Workspace& work) const;
   /// Rounding error of predicted gaps, estimated from the size of the motion in this step, m.
   [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;
+  /// Residual of the laws that rounding errors may cause, m.
+  [[nodiscard]] double negligible(std::span<const double> psi, std::span<const double> gap0) const;
   /// Refines the solution iteratively from its residual, with zero gaps on work.set. The error becomes
   /// rounding relative to the solution with contact, rather than to the longer motion without contact.
   /// Updates work.set by primal-dual steps from the refined solution. Collective.
@@ -92,6 +85,7 @@ private:
 
   const ConstraintRows& rows_;
   DelassusOperator delassus_;
+  LawSolver laws_{rows_, delassus_};
   Complementarity complementarity_;
   Residual residual_;
   double tolerance_;

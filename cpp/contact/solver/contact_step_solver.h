@@ -49,14 +49,17 @@ struct Workspace {
   std::unique_ptr<CondensedVi> condensed; ///< allocated when first needed
 };
 
-/// A contact step: minimise ½ y·Dy − r·y subject to g(y) ≥ 0 (4.22; docs/method.md section 2). Equivalently,
-/// D y + H λ = r with 0 ≤ λ ⟂ g(y) ≥ 0.
+/// A contact step: D y + H ρ = r with the contact laws of all candidates (docs/method.md section 2). Without
+/// friction: minimise ½ y·Dy − r·y subject to g(y) ≥ 0 (4.22), or D y + H λ = r with 0 ≤ λ ⟂ g(y) ≥ 0.
 struct ContactProblem {
   Vec r;
   std::span<const double> psi; ///< gaps of the undeformed body at the end of the step (rows), m
   const ActiveSet& previous;   ///< active set of the previous step, from which the search starts
-  ContactState& state;         ///< result; must have been constructed for the m candidates
-  Vec y;                       ///< solution; contains a guess on entry
+  ContactState& state; ///< result; constructed for the m candidates, with their coefficients of friction
+  Vec y;               ///< solution; contains a guess on entry
+  /// Multipliers of the previous step (rows), from which the search starts if some law is not symmetric;
+  /// empty: from zero.
+  std::span<const double> guess{};
 };
 
 /// A linearised or transposed step on an active set (docs/method.md section 4): D x + H μ = r, with Hᵀx =
@@ -70,6 +73,8 @@ struct LinearisedContact {
   std::span<const double> value{};          ///< right-hand side of each row; zero if empty
   Vec x;                                    ///< solution; contains a guess on entry; must not be r
   std::span<double> multipliers{};          ///< receives μ (rows); not computed if empty
+  std::span<const double> law{}; ///< with equations: c in E (value − Hᵀx) + F μ = c (rows); zero if empty
+  std::span<double> law_duals{}; ///< with equations, receives n of a transposed step (rows); not if empty
 };
 
 /// Solver of contact steps with one D, and of the linearised and transposed steps. Calls change only their
@@ -87,6 +92,12 @@ public:
   virtual void solve_linearised(const LinearisedContact& step, Workspace& work) const = 0;
   /// Solves the transposed linearised step; if all laws are symmetric, this is the linearised step itself.
   virtual void solve_transposed(const LinearisedContact& step, Workspace& work) const = 0;
+
+  /// Solves the linearised step with one-sided laws for the weak candidates of `contact`; those on which the
+  /// solution is linear replace the active set and the equations of `contact`. For laws that are not
+  /// symmetric.
+  virtual void solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
+                               Workspace& work) const = 0;
 
   /// Memory on all ranks in addition to D's factor, bytes.
   [[nodiscard]] virtual double bytes() const = 0;

@@ -123,7 +123,7 @@ Workspace FullSolver::workspace() const {
 }
 
 void FullSolver::solve(const ContactProblem& step, Workspace&) const {
-  const auto& [r, psi, previous, state, y] = step;
+  const auto& [r, psi, previous, state, y, guess] = step;
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));

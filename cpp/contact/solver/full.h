@@ -23,6 +23,10 @@ public:
   [[nodiscard]] Workspace workspace() const override;
   void solve(const ContactProblem& step, Workspace& work) const override;
   /// Solves a linearised step. Call linearise_by() before this and before solve_transposed().
+  void solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
+                       Workspace& work) const override {
+    linearised_->solve_one_sided(step, contact, work);
+  }
   void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
     linearised_->solve_linearised(step, work);
   }

@@ -34,7 +34,7 @@ void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, Contac
 }
 
 void ProjectedSolver::solve(const ContactProblem& step, Workspace& work) const {
-  const auto& [r, psi, previous, state, y] = step;
+  const auto& [r, psi, previous, state, y, guess] = step;
   const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(work.set, zero_, x); };
   const auto look = [&](Vec x) {
     evaluate(r, psi, x, state, work);
@@ -52,8 +52,7 @@ void ProjectedSolver::solve(const ContactProblem& step, Workspace& work) const {
       evaluate(r, psi, y, state, work);
       PetscReal size = 0;
       check(VecNorm(y, NORM_INFINITY, &size));
-      if (work.next == work.set ||
-          complementarity_.holds(state.lambda, state.gap, gap_tolerance_, size, D_.tolerance()))
+      if (work.next == work.set || complementarity_.holds(state, gap_tolerance_, size, D_.tolerance()))
         break;
     }
   }
@@ -71,6 +70,10 @@ void ProjectedSolver::solve_linearised(const LinearisedContact& step, Workspace&
   check(MatMult(matrix_, step.x, residual_));
   check(VecAYPX(residual_, -1, step.r));
   rows_.multipliers(step.set, residual_, step.multipliers); // Hμ = r − D x
+}
+
+void ProjectedSolver::solve_one_sided(const LinearisedContact&, ContactLinearisation&, Workspace&) const {
+  throw std::logic_error("symmetric laws need no one-sided solves");
 }
 
 } // namespace signorini::contact

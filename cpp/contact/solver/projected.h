@@ -21,6 +21,9 @@ public:
   void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
     solve_linearised(step, work);
   }
+  /// Not for this solver, whose laws are symmetric. Throws std::logic_error.
+  void solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
+                       Workspace& work) const override;
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:

@@ -27,6 +27,8 @@ public:
     steps += strong > 0;
     weak += state.count(contact::Status::weak);
     most = std::max(most, strong);
+    slips += state.count(contact::Motion::slips);
+    sticks += state.count(contact::Motion::sticks);
     projected += !state.predictor.empty();
     if (pairs_.moving()) {
       const std::span<const double> psi = pairs_.psi(frame.step.end, gaps_);
@@ -37,7 +39,7 @@ public:
     work = std::max(work, contact_work);
   }
 
-  int steps = 0, weak = 0, most = 0, projected = 0;
+  int steps = 0, weak = 0, most = 0, projected = 0, slips = 0, sticks = 0;
   /// Largest work of contact in a step, without the work of the obstacles' motion, −2/τ² λ_k·(ψ_k − ψ_{k−1}).
   /// In theory the difference is −2/τ² λ_k·g(y_{k−1}) ≤ 0 (docs/method.md section 2).
   double work = 0;
@@ -57,13 +59,13 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
     contact.emplace(problem.stepper);
   diagnostics::Balance weigh(problem.stepper);
   diagnostics::Invariants watch(problem.stepper, diagnostics::body_figures(problem.stepper, problem.scene));
-  const int done = trajectory::integrate(problem.stepper, problem.grid, problem.initial, load,
-                                         [&](const trajectory::Frame& frame) {
-                                           const diagnostics::StepBalance balance = weigh(frame);
-                                           watch.observe(frame, balance);
-                                           if (contact)
-                                             contact->observe(frame, balance.contact_work);
-                                         });
+  const int done = trajectory::integrate(
+      problem.stepper, problem.grid, problem.initial, load, [&](const trajectory::Frame& frame) {
+        const diagnostics::StepBalance balance = weigh(frame);
+        watch.observe(frame, balance);
+        if (contact)
+          contact->observe(frame, balance.contact_work - balance.belt_work);
+      });
   if (done < problem.steps())
     throw Interrupted();
   const double tolerance = problem.scene.run.tolerance, energy = watch.largest_energy();
@@ -74,12 +76,14 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
     rows.push_back(below(defect.name, defect.worst, tolerance));
   if (!contact)
     return;
-  rows.push_back({"contact occurred",
-                  contact->steps > 0
-                      ? fmt::format("{} steps, up to {} candidates each, weak contact {} times",
-                                    contact->steps, contact->most, contact->weak)
-                      : "never; contact is not checked",
-                  "in at least one step", contact->steps > 0});
+  const std::string occurred =
+      contact->steps == 0 ? "never; contact is not checked"
+      : problem.stepper.frictional()
+          ? fmt::format("{} steps, up to {} candidates, {} weak, {} slip, {} stick", contact->steps,
+                        contact->most, contact->weak, contact->slips, contact->sticks)
+          : fmt::format("{} steps, up to {} candidates each, weak contact {} times", contact->steps,
+                        contact->most, contact->weak);
+  rows.push_back({"contact occurred", occurred, "in at least one step", contact->steps > 0});
   // Predictors move without forces: for a body that stays in contact they may never enter an obstacle.
   const bool rests = contact->steps == problem.steps();
   if (problem.stepper.predictor() && (contact->projected > 0 || !rests))

@@ -27,12 +27,25 @@ int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
   return static_cast<int>(difference.size());
 }
 
+/// Number of candidates in contact in both of two states that stick in one and slip in the other.
+int otherwise_moving(const contact::ContactLinearisation& a, const contact::ContactLinearisation& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.equations.size(); ++i) {
+    const auto found = std::ranges::lower_bound(b.active, a.active[i]);
+    if (found != b.active.end() && *found == a.active[i])
+      count +=
+          a.equations[i].motion != b.equations[static_cast<std::size_t>(found - b.active.begin())].motion;
+  }
+  return count;
+}
+
 } // namespace
 
 Switches switches(const ContactHistory& a, const ContactHistory& b) {
   Switches sum;
   for (std::size_t k = 1; k < std::min(a.size(), b.size()); ++k) {
-    const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor);
+    const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor) +
+                     otherwise_moving(a[k], b[k]);
     sum.steps += here > 0;
     sum.candidates += here;
   }
@@ -81,9 +94,10 @@ public:
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (candidates × "
-                                "steps). J may have a kink here, with one-sided slopes only.",
-                                weak));
+      console_.line(
+          fmt::format("Contact is weak, closed without force or about to slip, {} times (candidates × "
+                      "steps). J may have a kink here, with one-sided slopes only.",
+                      weak));
       const double plus = slope(Side::plus, rows);
       kink(plus, slope(Side::minus, rows));
       return;

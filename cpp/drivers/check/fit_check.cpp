@@ -41,9 +41,10 @@ public:
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
       weak += contact.weak.size();
     if (weak > 0)
-      console_.line(fmt::format("Contact is weak, which means closed without force, {} times (candidates × "
-                                "steps). J may have a kink at the first guess.",
-                                weak));
+      console_.line(
+          fmt::format("Contact is weak, closed without force or about to slip, {} times (candidates × "
+                      "steps). J may have a kink at the first guess.",
+                      weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
       jacobian(j, linearised.residuals, {&linearised.jacobian[j * m], m}, rows);
       taylor(j, rows);

@@ -5,6 +5,7 @@ from case import Case
 from field_cases import effect_cases, expression_cases, material_cases, time_series_cases
 from fit_cases import fit_cases
 from folder_cases import desired_run_cases, first_guess_cases, folder_cases
+from friction_cases import friction_cases
 from mesh_cases import mesh_content_cases, mesh_file_cases, space_cases
 from model_cases import model_cases
 from obstacle_cases import obstacle_cases
@@ -26,6 +27,7 @@ def all_cases() -> list[Case]:
         *fit_cases(),
         *dimension_cases(),
         *obstacle_cases(),
+        *friction_cases(),
         *expression_cases(),
         *time_series_cases(),
         *effect_cases(),

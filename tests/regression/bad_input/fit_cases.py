@@ -23,6 +23,10 @@ def fit_cases() -> list[Case]:
 
     force = 'of = "force"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1'
 
+    def rubbing(name: str, unknown: str, *expect: Expected, friction: str = "0.3") -> Case:
+        """An unknown of a scene with friction."""
+        return fit(name, unknown, force, *expect, edits=(("[contact]", f"[contact]\nfriction = {friction}"),))
+
     def unknown(name: str, keys: str, *expect: Expected) -> Case:
         return fit(name, keys, force, *expect)
 
@@ -74,6 +78,22 @@ def fit_cases() -> list[Case]:
             edits=(("[initial]", '[[foundation]]\non = "side"\nstiffness = { normal = 1.0 }\n[initial]'),)),
         unknown("unknown of no obstacle", 'of = "position"\nobstacle = "wall"', 'unknown[0].obstacle: found "wall"', "obstacle 1"),
         unknown("radius of a half-space", 'of = "radius"', 'unknown[0].of: found "radius"', "position, angle"),
+        unknown("friction of an obstacle without it", 'of = "friction"',
+                'unknown[0].of: found "friction" of an obstacle without friction; give contact.friction'),
+        unknown("surface velocity of an obstacle without friction", 'of = "surface_velocity"',
+                'unknown[0].of: found "surface_velocity" of an obstacle without friction; give contact.friction'),
+        rubbing("surface velocity of an obstacle without one", 'of = "surface_velocity"',
+                'unknown[0].of: found "surface_velocity" of an obstacle without one; give obstacle.surface_velocity'),
+        rubbing("angle of a plane with friction", 'of = "angle"',
+                'unknown[0].of: found "angle" of an obstacle of the shape "half-space" with friction;',
+                "choices: position, friction, surface_velocity"),
+        rubbing("friction that starts at zero", 'of = "friction"\nstart = 0.0', "unknown[0].start: found 0", "greater than 0"),
+        rubbing("friction from zero", 'of = "friction"\nlower = 0.0', "unknown[0].lower: found 0", "greater than 0"),
+        rubbing("friction along x", 'of = "friction"\ncomponent = "x"', "unknown[0].component: has no effect"),
+        rubbing("friction that varies", 'of = "friction"', "unknown[0].start: missing", friction='"0.3 + 0.1*t"'),
+        fit("modulus of a body that starts in equilibrium", 'of = "young"', force,
+            'unknown[0].of: found "young" with initial.static, whose equilibrium would depend on the unknown; remove initial.static',
+            edits=(('displacement = ["0", "0"]', "static = true"),)),
         unknown("component of a modulus", 'of = "young"\ncomponent = "x"', "unknown[0].component: has no effect"),
         unknown("angle about an axis in the plane", 'of = "angle"\ncomponent = "x"', "unknown[0].component: found x", "2-dimensional"),
         unknown("modulus that starts at zero", 'of = "young"\nstart = 0.0', "unknown[0].start: found 0", "greater than 0"),

@@ -27,6 +27,8 @@ FULL = (
             {"on": "bottom", "obstacle": {"shape": "ball", "center": [0, -2], "radius": 1}},
             {"on": "bottom", "obstacle": {"shape": "cylinder", "point": [0, -2], "radius": 1}},
             {"on": "bottom", "obstacle": {"shape": "signed-distance", "distance": "y + 1"}},
+            {"on": "top", "friction": "0.1 + x^2", "obstacle": {"shape": "half-space", "point": [0, 2], "normal": [0, -1],
+                                                                "surface_velocity": ["1", "0"]}},
         ],
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
         "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],

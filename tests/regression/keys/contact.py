@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from harness import attempt, table
-from regression.keys.runs import BLOCK, DATA, FLAT, FREE, ROUNDING, Runner, T, near, same
+from regression.keys.runs import BLOCK, DATA, FLAT, FREE, ROUNDING, Run, Runner, T, near, same
 
 WEIGHT = FREE | {"load__body": ["1", "-1"]}
 
@@ -170,3 +170,88 @@ def test_obstacle_name(names: tuple[dict[str, str], dict[str, str]], expected: l
     assert [contact["obstacle"]["name"] for contact in done.echo["contact"]] == expected
     assert list(table(done.folder / "obstacles.csv")["obstacle"]) == 31 * expected
     assert [one["name"] for one in done.manifest["impact"]["obstacles"]] == expected
+
+
+# The block on a plane that bears its weight.
+RESTS = FLAT | {"contact__obstacle__point": [0, 0]}
+BELT = {"shape": "half-space", "point": [0, 0], "normal": [0, 1]}
+
+
+def friction_of(done: Run) -> dict[str, np.ndarray]:
+    """Columns of contact.csv, as stored time × candidate."""
+    contact = table(done.folder / "contact.csv")
+    return {name: contact[name].reshape(31, 5) for name in ("x", "time", "force", "tangential_force_x", "slip_velocity_x", "motion")}
+
+
+@pytest.mark.key("contact.friction")
+@pytest.mark.parametrize("friction", (0.3, "0.3", "0.1 + 0.4*x + 0.2*t"))
+@pytest.mark.parametrize("speed", (3, -3))
+def test_friction_of_what_slides(friction: float | str, speed: float, simulate: Runner) -> None:
+    """It is the coefficient times the normal force, against the slip, and its work is in the account."""
+    done = simulate(contact__friction=friction, initial__velocity=[str(speed), "0"], **RESTS)
+    found = friction_of(done)
+    coefficient = 0.1 + 0.4 * found["x"] + 0.2 * found["time"] if "x" in str(friction) else 0.3
+    slips = found["motion"] == "slip"
+    assert slips.sum() > 60 and (speed * found["slip_velocity_x"][slips] > 0).all()
+    near(found["tangential_force_x"], -np.sign(speed) * coefficient * found["force"])
+    work = 0.02 * (found["tangential_force_x"] * found["slip_velocity_x"]).sum(axis=1)
+    near(done.steps["friction_work"], work)
+    assert (work[1:] <= 0).all() and work.sum() < -0.1
+    near(done.manifest["energy"]["friction_work"], work.sum())
+    near(done.manifest["impact"]["all"]["friction_impulse"], [0.02 * found["tangential_force_x"].sum(), 0])
+    assert list(done.steps["slip"]) == list(slips.sum(axis=1)) and done.manifest["effects"]["friction"]
+
+
+@pytest.mark.key("contact.friction")
+def test_friction_of_what_sticks(simulate: Runner) -> None:
+    done = simulate(contact__friction=2, initial__velocity=["0", "0"], load__body=["0.1", "-1"], **RESTS)
+    found = friction_of(done)
+    sticks = found["motion"] == "stick"
+    assert sticks.sum() > 60 and list(done.steps["stick"]) == list(sticks.sum(axis=1))
+    assert (abs(found["slip_velocity_x"][sticks]) < ROUNDING).all() and abs(found["tangential_force_x"]).max() > 0.01
+    assert (abs(found["tangential_force_x"]) <= 2 * found["force"] + ROUNDING).all()
+
+
+@pytest.mark.key("contact.friction")
+def test_no_friction_by_default(plain: Run, simulate: Runner) -> None:
+    none = simulate(contact__friction=0)
+    same(none, plain)
+    assert "slip" not in none.steps and "friction_work" not in none.manifest["energy"] and not none.manifest["effects"]["friction"]
+
+
+@pytest.mark.key("initial.static")
+@pytest.mark.parametrize("friction, push", ((0, 0), (0.3, 0), (0, 0.5)))
+def test_static_start(friction: float, push: float, simulate: Runner) -> None:
+    """The block bears its weight from the start, so that it stays or slides without vibrations."""
+    block = {"contact__obstacle": BELT, "contact__friction": friction, "load": {"body": [str(push), "-1"]}}
+    done = simulate(initial={"static": True}, **block)
+    moved = done.field("displacement")[-1] - done.field("displacement")[0]
+    near(moved, np.full(moved.shape, [push * T**2 / 2, 0]) + 0.0, 1e-8) if push else near(moved, 0 * moved, 1e-9)
+    near(done.steps["contact_force_y"][1:], np.ones(30), 1e-6)
+    assert done.manifest["effects"]["static start"] and done.steps["elastic_energy"][0] > 1e-3
+    falls = simulate(initial={"static": False}, **block)
+    assert falls.steps["elastic_energy"][0] == 0 and falls.steps["contact_force_y"].max() > 1.5, "the load comes all at once"
+
+
+@pytest.mark.key("contact.obstacle.surface_velocity")
+@pytest.mark.parametrize("velocity", (["2", "0"], ["2", "-7"]), ids=("along", "and across"))
+def test_belt(velocity: list[str], simulate: Runner) -> None:
+    """As in the frame of the belt, whose normal velocity has no effect."""
+    moves = simulate(contact__friction=0.3, contact__obstacle=BELT | {"surface_velocity": velocity}, initial__velocity=["3", "0"], **RESTS)
+    rests = simulate(contact__friction=0.3, initial__velocity=["1", "0"], **RESTS)
+    for name in ("force", "tangential_force_x", "slip_velocity_x"):
+        near(friction_of(moves)[name], friction_of(rests)[name], 1e-10)  # of displacements 30 times as large
+    works = [done.steps["friction_work"] + done.steps["belt_work"] for done in (moves, rests)]
+    near(moves.steps["friction_work"], rests.steps["friction_work"], 1e-10)
+    near(moves.steps["belt_work"], 0.02 * 2 * moves.steps["contact_force_x"])
+    assert (rests.steps["belt_work"] == 0).all() and abs(works[0] - works[1]).max() > 1e-3
+
+
+@pytest.mark.key("contact.obstacle.surface_velocity", "contact.obstacle.point")
+def test_obstacle_that_moves_along_its_surface(simulate: Runner) -> None:
+    """Moves the body as a belt of this speed does, also one whose speed varies."""
+    belt = simulate(contact__friction=0.3, contact__obstacle=BELT | {"surface_velocity": ["0.5 + 6*t", "0"]}, **RESTS)
+    moves = simulate(contact__friction=0.3, **RESTS | {"contact__obstacle__point": ["0.5*t + 3*t^2", "0"]})
+    assert belt.steps["slip"].max() > 0 and belt.momentum()[0] > 0.01
+    same(belt, moves, 1e-9)
+    near(belt.steps["belt_work"], moves.steps["belt_work"], 1e-9)

@@ -151,6 +151,20 @@ def test_files_of_one_field(field: str, optimize: Runner) -> None:
 
 
 @pytest.mark.key("output.fields", "output.tables")
+def test_field_of_friction(simulate: Runner) -> None:
+    """Traction along the plane, whose area-weighted sum is the force: exact for linear functions on the block's lower side."""
+    done = simulate(contact__friction=0.3, output__fields=["friction"], output__tables=["steps", "contact"])
+    traction, contact = done.field("friction"), table(done.folder / "contact.csv")
+    assert {path.name for path in done.folder.iterdir()} == {"scene.toml", "run.json", "state.xdmf", "state.h5", "surfaces.h5", "steps.csv",
+                                                             "contact.csv"}  # fmt: skip
+    assert abs(traction).max() > 0 and (traction[:, done.points[:, 1] > 0] == 0).all(), "none away from the candidates"
+    for axis, component in enumerate("xy"):
+        force = contact[f"tangential_force_{component}"].reshape(31, 5).sum(axis=1)
+        lower = np.flatnonzero(done.points[:, 1] == 0)[np.argsort(done.points[done.points[:, 1] == 0, 0])]
+        near((traction[:, lower, axis] * contact["area"][:5]).sum(axis=1), force, 1e-10)
+
+
+@pytest.mark.key("output.fields", "output.tables")
 @pytest.mark.parametrize("name", ("steps", "contact", "obstacles", "history"))
 def test_files_of_one_table(name: str, optimize: Runner) -> None:
     done = optimize(output__fields=[], output__tables=[name])

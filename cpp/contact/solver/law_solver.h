@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/error.h"
+#include "contact/delassus_operator.h"
+
+namespace signorini::contact {
+
+/// Failure to solve the laws of a step, described at the candidate with the largest residual.
+struct LawFailure : SolverFailure {
+  LawFailure(const std::string& message, int group, double friction, double critical)
+      : SolverFailure(message), group(group), friction(friction), critical(critical) {}
+  int group;       ///< number of the candidate
+  double friction; ///< its coefficient of friction
+  double critical; ///< coefficient from which on a contact of this candidate alone has several solutions
+};
+
+/// Solves the laws of a step with gaps U = U⁰ + S ρ, where some law is not symmetric, such as friction
+/// (docs/method.md section 5). Newton steps on the laws' active sets start from the multipliers of the step
+/// before and settle in a few iterations. If they cycle, Newton steps with backtracking follow, then those
+/// after sweeps of a block Gauss–Seidel iteration, in the plane those after Lemke's method, and at last the
+/// sweeps alone.
+class LawSolver {
+public:
+  /// The laws are those of `rows`. The references must outlive this object.
+  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus) : rows_(rows), delassus_(delassus) {
+    for (int i = 0; i < rows.groups(); ++i)
+      laws_.push_back(&rows.law(i));
+  }
+  /// `laws`: of the groups. They and the references must outlive this object.
+  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus, std::vector<const Law*> laws)
+      : rows_(rows), delassus_(delassus), laws_(std::move(laws)) {}
+
+  /// Methods in the order in which they are tried, each from zero but the first.
+  enum class Method { newton, backtracking, sweeps, pivots, sweeps_alone };
+
+  /// Computes the multipliers and gaps of `state`, whose `friction` is given, for the predicted gaps
+  /// `work.gap0` (m), to a residual of at most `negligible` (m). `guess`: multipliers to start from, or
+  /// empty. Collective. Throws LawFailure.
+  void solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
+             Method first = Method::newton) const;
+  /// Takes one Newton step from the multipliers and gaps of `state`. Collective.
+  void newton_step(ContactState& state, Workspace& work) const;
+  /// Returns the largest residual of a law, m.
+  [[nodiscard]] double residual(const ContactState& state) const;
+
+private:
+  /// Tries one method. Returns whether the residual is negligible. Collective.
+  bool solve_by(Method method, double negligible, ContactState& state, Workspace& work) const;
+  /// Sets multipliers, and the gaps that they cause.
+  void start(std::span<const double> lambda, ContactState& state, Workspace& work) const;
+  /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
+  [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
+  /// Adds `change` to a row's multiplier, and its effect to all gaps.
+  void add_to_multiplier(int row, double change, ContactState& state) const;
+  /// Takes Newton steps until the residual is negligible; gives up when a pattern of open, sticking and
+  /// slipping groups recurs. `backtracking`: whether steps are shortened until the residual falls. Returns
+  /// whether the residual is negligible. Collective.
+  bool settle(double negligible, bool backtracking, ContactState& state, Workspace& work) const;
+  /// Shortens the last Newton step, which started from `lambda` and `gap` with the residual `before`, until
+  /// the residual falls.
+  void shorten(std::span<const double> lambda, std::span<const double> gap, double before,
+               ContactState& state) const;
+  /// Makes up to `most` sweeps of a block Gauss–Seidel iteration over the groups. Collective.
+  void sweep(int most, double negligible, ContactState& state, Workspace& work) const;
+  /// Solves the law of one group with the multipliers of all other groups fixed.
+  void relax(int group, ContactState& state) const;
+  /// Sets the multipliers and gaps by Lemke's method for a problem in the plane with Coulomb's law (Stewart,
+  /// Trinkle 1996). Returns false if there are too many candidates or the method fails. Collective.
+  bool pivot(ContactState& state, Workspace& work) const;
+  [[noreturn]] void fail(const ContactState& state) const;
+
+  const ConstraintRows& rows_;
+  const DelassusOperator& delassus_;
+  std::vector<const Law*> laws_;
+};
+
+} // namespace signorini::contact
