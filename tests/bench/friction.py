@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Iterations and failures of steps with friction, over coefficients, Courant numbers, bodies and stiffness.
+
+A block is thrown obliquely onto a tilted plane with a belt. Each step in which it touches is a problem. The Courant number
+is the length of a step over the time in which a pressure wave crosses an element.
+"""
+
+import itertools
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import program
+from program import ROOT
+
+SCENE = """
+[mesh]
+file = "{folder}/{mesh}.geo"
+size = {size}
+[time]
+step = {step!r}
+end = {end!r}
+scheme = "{scheme}"
+[material]
+density = 1.0
+young = {young}
+poisson = 0.3
+[contact]
+on = "bottom"
+friction = {friction}
+obstacle = {{ shape = "half-space", point = [{point}], normal = [{normal}], surface_velocity = [{belt}] }}
+[load]
+body = [{body}]
+[initial]
+velocity = [{velocity}]
+[output]
+fields = []
+tables = ["steps"]
+"""
+PLANE = {"point": "0, 0", "normal": "0.02, 1", "belt": '"0.3", "0"', "body": '"0", "-1"', "velocity": '"{across}", "-{speed}"'}
+SPACE = {"point": "0, 0, 0", "normal": "0.02, 0.01, 1", "belt": '"0.3", "0.1", "0"', "body": '"0", "0", "-1"',
+         "velocity": '"{across}", "0.2", "-{speed}"'}  # fmt: skip
+# Mesh: element size, m, and the keys of its dimension.
+BODIES = {"block": (0.1, PLANE), "strip": (0.4, PLANE), "cube": (0.25, SPACE), "slab": (0.3, SPACE)}
+FRICTION = (0.05, 0.2, 0.5, 1.0, 2.0, 3.0)
+COURANT = (0.1, 1.0, 10.0, 100.0, 1e4)
+YOUNG = (50.0, 1e6)
+STEPS = 40
+
+
+def geometries(folder: Path) -> None:
+    head = 'SetFactory("OpenCASCADE");\n'
+    flat = 'eps = 1e-6;\nbottom() = Curve In BoundingBox {{-eps, -eps, -eps, {x} + eps, eps, eps}};\n'
+    plane = flat + 'Physical Surface("body") = {{1}};\nPhysical Curve("bottom") = {{bottom()}};\n'
+    for name, (x, y) in {"block": (1, 1), "strip": (100, 0.2)}.items():
+        (folder / f"{name}.geo").write_text(head + f"Rectangle(1) = {{0, 0, 0, {x}, {y}}};\n" + plane.format(x=x))
+    for name, (x, z) in {"cube": (1, 1), "slab": (4, 0.5)}.items():
+        (folder / f"{name}.geo").write_text(
+            head + f"Box(1) = {{0, 0, 0, {x}, {x}, {z}}};\neps = 1e-6;\n"
+            f"bottom() = Surface In BoundingBox {{-eps, -eps, -eps, {x} + eps, {x} + eps, eps}};\n"
+            'Physical Volume("body") = {1};\nPhysical Surface("bottom") = {bottom()};\n')  # fmt: skip
+
+
+def main() -> int:
+    parser = program.options("bench friction", __doc__)
+    parser.add_argument("--seeds", type=int, default=3, metavar="N", help="throws of the small bodies for each combination, default 3")
+    given = parser.parse_args()
+    rows, failures = [], []
+    generator = np.random.default_rng(1)
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        geometries(folder)
+        for (mesh, (size, keys)), friction, courant, young in itertools.product(BODIES.items(), FRICTION, COURANT, YOUNG):
+            for seed in range(given.seeds if mesh in ("block", "cube") else 1):
+                scheme = ("contact-implicit", "contact-stabilized")[seed % 2]
+                wave = np.sqrt(young * 0.7 / (1.3 * 0.4))
+                step = float(courant * size / wave)
+                velocity = keys["velocity"].format(across=2 * generator.standard_normal(), speed=generator.random())
+                scene = folder / "scene.toml"
+                scene.write_text(SCENE.format(**keys | {"velocity": velocity}, folder=folder, mesh=mesh, size=size, step=step,
+                                              end=STEPS * step, scheme=scheme, young=young, friction=friction))  # fmt: skip
+                out = folder / "out"
+                said = program.output("signorini", "simulate", scene, "--out", out, "--replace", "--quiet", allowed=(0, 3))
+                row = {"mesh": mesh, "friction": friction, "courant": courant, "young": young}
+                if not (out / "steps.csv").exists():
+                    failures.append(row)
+                    print("failed:", row, said)
+                    continue
+                table = np.genfromtxt(out / "steps.csv", delimiter=",", names=True)
+                touching = table["slip"] + table["stick"] > 0
+                rows.append(row | {"problems": int(touching.sum()), "iterations": [int(n) for n in table["vi_iterations"][touching]],
+                                   "slip": int(table["slip"].sum()), "stick": int(table["stick"].sum()),
+                                   "largest": int((table["slip"] + table["stick"]).max())})  # fmt: skip
+                (out / "steps.csv").unlink()
+    for space, low in itertools.product((False, True), (True, False)):
+        chosen = [r for r in rows if (BODIES[r["mesh"]][1] is SPACE) == space and (r["friction"] <= 1) == low]
+        every = np.concatenate([r["iterations"] for r in chosen])
+        failed = [r for r in failures if (BODIES[r["mesh"]][1] is SPACE) == space and (r["friction"] <= 1) == low]
+        print(f"{'space' if space else 'plane'}, coefficients {'up to' if low else 'above'} 1: {len(every)} problems of up to "
+              f"{np.max([r['largest'] for r in chosen])} candidates, {sum(r['slip'] for r in chosen)} slips and "
+              f"{sum(r['stick'] for r in chosen)} sticks; {every.mean():.2f} iterations, at most {every.max()}; "
+              f"{(every > 20).sum()} took more than 20; {len(failed)} runs failed")  # fmt: skip
+    program.write(given.json, rows + failures)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
