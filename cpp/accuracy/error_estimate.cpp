@@ -149,7 +149,7 @@ void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
 
 } // namespace
 
-void require_no_relaxation(const scene::Scene& scene, const char* option, const char* instead) {
+void require_estimable(const scene::Scene& scene, const char* option, const char* instead) {
   if (scene.relaxes())
     throw UserError(fmt::format("{}: cannot be combined with material.prony, since the error estimate does "
                                 "not include relaxation; {}",

@@ -7,9 +7,9 @@
 
 namespace signorini::accuracy {
 
-/// Throws UserError if a material of the scene relaxes, since the enriched body of estimate_error() has no
-/// internal displacements. `option`: option that needs the estimate; `instead`: remedy, for the message.
-void require_no_relaxation(const scene::Scene& scene, const char* option, const char* instead);
+/// Throws UserError if a material of the scene relaxes or an obstacle has friction, since estimate_error()
+/// includes neither. `option`: option that needs the estimate; `instead`: remedy, for the message.
+void require_estimable(const scene::Scene& scene, const char* option, const char* instead);
 
 /// Estimates the error J(exact) − J at the current control of `control_problem`, without a finer run
 /// (docs/method.md section 7). The parts of the estimate are:

@@ -253,7 +253,7 @@ int refine(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path
 int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, const Console& console) {
   drivers::require_control_problem(comm, scene, out);
-  require_no_relaxation(scene, "--accuracy", "compare sizes and steps by study");
+  require_estimable(scene, "--accuracy", "compare sizes and steps by study");
   if (scene.mesh.degree != 1)
     throw UserError(fmt::format("--accuracy: found mesh.degree = {}; set it to 1, since the error estimate "
                                 "in space compares degree 1 with degree 2",

@@ -44,7 +44,7 @@ private:
 int simulate_to_accuracy(MPI_Comm comm, scene::Scene scene, const std::filesystem::path& out,
                          const AccuracyAsked& asked, drivers::SimulateOptions how, const Console& console) {
   if (scene.mesh.automatic())
-    require_no_relaxation(scene, "--accuracy with mesh.size = \"auto\"", "give mesh.size");
+    require_estimable(scene, "--accuracy with mesh.size = \"auto\"", "give mesh.size");
   const Elapsed elapsed(comm);
   if (asked.budget)
     stop_after(*asked.budget);

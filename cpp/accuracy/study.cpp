@@ -202,7 +202,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   if (!options.search_tolerances.empty())
     require_searches(given, options.search_tolerances);
   if (options.choice.graded)
-    require_no_relaxation(given, "--graded", "leave it out");
+    require_estimable(given, "--graded", "leave it out");
   (void)chosen(given, options.quantities, 2); // reports a wrong name before any mesh is read
   scene::Scene scene = given;
   std::vector<Rung> rungs = all_rungs(scene, options.choice);

@@ -237,7 +237,7 @@ std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene
                                         const Console& console, KeepTrial keep) {
   const Quantity asked = the_quantity(scene, names, 2, option);
   if (asked.name == "J")
-    require_no_relaxation(scene, option, "choose another --quantity");
+    require_estimable(scene, option, "choose another --quantity");
   require_size(scene, asked, option);
   require_size_takes_effect(comm, scene);
   SamplePoints samples(comm, scene);

@@ -38,8 +38,10 @@ double motions_bytes(const problem::Problem& problem) {
                              : 2;                          // iterate, trial, linearised
   const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
       step = sizeof(contact::ContactLinearisation) +
-             (sets * sizeof(int) + sizeof(double)) * trajectory::candidates(problem.stepper), // forces too
-      contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
+             (sets * sizeof(int) + sizeof(double)) * trajectory::candidates(problem.stepper) + // forces too
+             (problem.stepper.frictional() ? sizeof(contact::LawEquation) + 2 * sizeof(double) : 0) *
+                 trajectory::candidates(problem.stepper),
+               contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
   const double states = problem::state_stores(problem).bytes();
   const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
                            : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states
@@ -121,6 +123,9 @@ Costs costs(const problem::Problem& problem) {
     costs["moving clamp"] = {"D without clamps",
                              petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
+    if (stepper.frictional())
+      costs["friction"] = {fmt::format("{} tangents", pairs->rows().count() - pairs->count()), 0,
+                           "Newton steps for stick and slip, in S"};
     costs["contact"] = {fmt::format("for {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
                         "without contact: check of the gaps; in contact: one inequality"};

@@ -26,7 +26,7 @@ public:
     return unilateral.status(rho, U, force, gap);
   }
   [[nodiscard]] LawEquation linearised(std::span<const double> rho, std::span<const double> U,
-                                       double friction, double gap) const override;
+                                       double compliance, double friction, double gap) const override;
   /// Not for this law, which is not symmetric. Throws std::logic_error.
   [[nodiscard]] bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                            double motion) const override;

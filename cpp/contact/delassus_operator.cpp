@@ -146,6 +146,7 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
 }
 
 void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace& work) const {
+  std::ranges::fill(step.law_duals, 0);
   if (step.equations.empty())
     solve_linearised(step, work);
   else
@@ -222,6 +223,15 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
                                     times(law.F, k, c, rows_.of_group(group, n), transposed) +
                                     (step.law.empty() ? 0 : step.law[rows_.row(group, c)]));
                  });
+    if (pass > 0) { // E, F and c have rows in m; transposed in that of n
+      double defect = 0, size = 0;
+      for (std::size_t row = 0; row < work.motion.size(); ++row)
+        size = std::max({size, std::abs(work.motion[row]), std::abs(value[row])});
+      for (const double one : work.b)
+        defect = std::max(defect, std::abs(one));
+      if (defect <= to_rounding * std::numeric_limits<double>::epsilon() * size)
+        break;
+    }
     solve_equations(step.set, step.equations, transposed, work.b, work);
     for_each_row(rows_, step.set, step.equations,
                  [&](std::size_t i, int group, const LawEquation&, std::size_t c) {

@@ -23,27 +23,24 @@ public:
     unused();
   }
   [[nodiscard]] LawEquation linearised(std::span<const double> rho, std::span<const double> U,
-                                       double friction, double) const override {
+                                       double compliance, double friction, double) const override {
     LawEquation equation;
-    (void)newton_equation(rho, U, 1, friction, equation);
+    (void)newton_equation(rho, U, compliance, friction, equation);
     return equation;
   }
   [[nodiscard]] bool closes_to_first_order(bool, double, double, double, double) const override { unused(); }
   [[nodiscard]] double residual(std::span<const double> rho, std::span<const double> U, double compliance,
                                 double friction) const override {
-    // of the equation of the piece in which ρ and U are; rows with F are in units of the multipliers
-    LawEquation law;
+    LawEquation law; // of the piece in which ρ and U are
     double square = 0;
     if (!newton_equation(rho, U, compliance, friction, law))
       return compliance * length(rho);
     const std::size_t k = rho.size();
     for (std::size_t i = 0; i < k; ++i) {
-      double row = 0, unit = 1;
-      for (std::size_t j = 0; j < k; ++j) {
+      double row = 0;
+      for (std::size_t j = 0; j < k; ++j)
         row += law.E[i * k + j] * U[j] + law.F[i * k + j] * rho[j];
-        unit = law.F[i * k + j] != 0 ? compliance : unit;
-      }
-      square += unit * row * unit * row;
+      square += row * row;
     }
     return std::sqrt(square);
   }
@@ -115,11 +112,11 @@ public:
     equation.E[0] = 1;
     for (std::size_t i = 1; i < k; ++i) {
       if (beyond > 0)
-        equation.F[i * k] = -friction * d_[i - 1];
+        equation.F[i * k] = -compliance * friction * d_[i - 1];
       for (std::size_t j = 1; j < k; ++j) {
         const double along = beyond > 0 ? d_[i - 1] * d_[j - 1] : 0;
-        equation.E[i * k + j] = ((i == j) - along) / (beyond > 0 ? compliance : 1);
-        equation.F[i * k + j] = along;
+        equation.E[i * k + j] = (i == j) - along;
+        equation.F[i * k + j] = compliance * along;
       }
     }
     return true;
@@ -156,7 +153,8 @@ FirstOrderLaws::FirstOrderLaws(const ConstraintRows& rows, const ContactLinearis
   }
 }
 
-void FirstOrderLaws::select(const ContactState& change, ContactLinearisation& contact) const {
+void FirstOrderLaws::select(const ContactState& change, const Complementarity& scales,
+                            ContactLinearisation& contact) const {
   ActiveSet active;
   std::vector<double> forces;
   std::vector<LawEquation> equations;
@@ -170,7 +168,8 @@ void FirstOrderLaws::select(const ContactState& change, ContactLinearisation& co
     if (!may_open || rho[0] != 0) {
       active.push_back(i);
       forces.insert(forces.end(), force, next);
-      equations.push_back(laws_[i]->linearised({rho.data(), k}, {U.data(), k}, friction_[i], 0));
+      equations.push_back(
+          laws_[i]->linearised({rho.data(), k}, {U.data(), k}, scales.compliance(i), friction_[i], 0));
     }
     force = next;
   }

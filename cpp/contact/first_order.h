@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/constraint_rows.h"
+#include "contact/lcp/complementarity.h"
 #include <memory>
 
 namespace signorini::contact {
@@ -20,8 +20,8 @@ public:
   [[nodiscard]] const std::vector<double>& friction() const { return friction_; }
 
   /// Replaces the active set, the forces and the equations of `contact`, that of the constructor, by those on
-  /// which the derivative `change` is linear: its δρ and δU satisfy the equations.
-  void select(const ContactState& change, ContactLinearisation& contact) const;
+  /// which the derivative `change` is linear: its δρ and δU satisfy the equations. `scales`: of the rows.
+  void select(const ContactState& change, const Complementarity& scales, ContactLinearisation& contact) const;
 
 private:
   const ConstraintRows& rows_;

@@ -55,9 +55,9 @@ public:
                                       double gap) const = 0;
 
   /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = c, with c = 0. Slips up to
-  /// `gap` (m) count as zero.
+  /// `gap` (m) count as zero. `compliance`: about that of newton_equation(), for rows of similar size.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
-                                               double friction, double gap) const = 0;
+                                               double compliance, double friction, double gap) const = 0;
 
   /// Whether a weakly active row of a symmetric law belongs to the next closed set, after a step of the
   /// one-sided derivative with the result δλ = `lambda` and −δg = `approach`. `closed`: whether the row was
@@ -78,7 +78,7 @@ public:
   [[nodiscard]] bool newton_equation(std::span<const double> rho, std::span<const double> U,
                                      double compliance, double friction,
                                      LawEquation& equation) const override {
-    equation = linearised(rho, U, friction, 0);
+    equation = linearised(rho, U, compliance, friction, 0);
     return compliance * rho[0] > U[0];
   }
   [[nodiscard]] double residual(std::span<const double> rho, std::span<const double> U, double compliance,
@@ -93,7 +93,7 @@ public:
                               double gap) const override {
     return rho[0] > force ? Status::strong : U[0] <= gap ? Status::weak : Status::open;
   }
-  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>, double,
+  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>, double, double,
                                        double) const override {
     LawEquation equation;
     equation.E[0] = 1;

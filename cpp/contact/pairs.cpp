@@ -5,7 +5,6 @@
 #include "base/timers.h"
 #include "contact/coulomb.h"
 #include "contact/row_basis.h"
-#include "linalg/dense.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -250,101 +249,13 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
               "{}.friction: the node at {} is a candidate of several obstacles, where friction is "
               "not possible; choose groups without common nodes",
               keys_[obstacles_[i]], shown(*this, i)));
+    for (const ConstraintRows::Cluster& node : rows_->clusters())
+      if (node.dependent)
+        throw UserError(fmt::format(
+            "contact: the normals of the obstacles at the node at {} depend on each other, which friction "
+            "does not permit; choose groups without common nodes",
+            shown(*this, node.first)));
   });
-}
-
-void ContactPairs::add_tangents(const BoundaryNode& node, ConstraintRows::Group& group) const {
-  const auto dim = static_cast<std::size_t>(dim_);
-  std::array<double, 3> nu{};
-  for (std::size_t c = 0; c < dim; ++c)
-    nu[c] = group.entries[c].coefficient;
-  const auto add = [&](const std::array<double, 3>& tangent) {
-    std::vector<ConstraintRows::Entry> row = group.entries;
-    double held = 0, whole = 0;
-    for (std::size_t c = 0; c < dim; ++c) {
-      row[c].coefficient = tangent[c];
-      whole = std::hypot(whole, tangent[c]);
-      held = std::hypot(held, row[c].clamped ? tangent[c] : 0);
-    }
-    if (held >= (1 - RowBasis::dependence_limit) * whole)
-      return; // the node cannot slip along it
-    if (held > RowBasis::dependence_limit * whole)
-      throw UserError(fmt::format(
-          "{}.friction: a clamp holds the node at {} along a part of the obstacle's tangent; clamp the whole "
-          "node, or end the group before it",
-          keys_[static_cast<std::size_t>(node.obstacle)], point_text(node.x.data())));
-    group.others.push_back(std::move(row));
-  };
-  if (dim == 2)
-    return add({-nu[1], nu[0], 0});
-  // Tangents along the coordinate planes where these are tangential, as the planes of symmetry often are.
-  std::size_t least = 0;
-  for (std::size_t c = 1; c < dim; ++c)
-    if (std::abs(nu[c]) < std::abs(nu[least]))
-      least = c;
-  std::array<double, 3> first{};
-  double size = 0;
-  for (std::size_t c = 0; c < dim; ++c) {
-    first[c] = (c == least) - nu[least] * nu[c];
-    size = std::hypot(size, first[c]);
-  }
-  for (double& component : first)
-    component /= size;
-  add(first);
-  add({nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2],
-       nu[0] * first[1] - nu[1] * first[0]});
-}
-
-void ContactPairs::add_surface_ways(int obstacle, const scene::Field& velocity, double t0, double t1,
-                                    std::span<double> way) const {
-  const auto dim = static_cast<std::size_t>(dim_);
-  std::array<double, 3> v{};
-  for (int i = 0; i < count(); ++i) {
-    if (obstacles_[i] != obstacle)
-      continue;
-    velocity.evaluate(&points_[3 * static_cast<std::size_t>(i)], (t0 + t1) / 2, v.data());
-    for (std::size_t c = 1; c < rows_->size(i); ++c)
-      way[rows_->row(i, c)] +=
-          (t1 - t0) * dot(rows_->motion(static_cast<int>(rows_->row(i, c))), std::span(v).first(dim));
-  }
-}
-
-void ContactPairs::obstacle_ways(double t0, double t1, std::span<double> way) const {
-  std::ranges::fill(way, 0);
-  const auto dim = static_cast<std::size_t>(dim_);
-  for (const std::size_t obstacle : moving_) {
-    const Obstacle::Place from = shapes_[obstacle].place(t0), to = shapes_[obstacle].place(t1);
-    std::array<double, 3> motion{};
-    for (std::size_t c = 0; c < dim; ++c)
-      motion[c] = to.point[c] - from.point[c];
-    for (int i = 0; i < count(); ++i)
-      for (std::size_t c = 1; c < rows_->size(i) && obstacles_[i] == static_cast<int>(obstacle); ++c)
-        way[rows_->row(i, c)] =
-            dot(rows_->motion(static_cast<int>(rows_->row(i, c))), std::span(motion).first(dim));
-  }
-  for (std::size_t obstacle = 0; obstacle < surface_velocity_.size(); ++obstacle)
-    if (surface_velocity_[obstacle])
-      add_surface_ways(static_cast<int>(obstacle), *surface_velocity_[obstacle], t0, t1, way);
-}
-
-std::span<const double> ContactPairs::friction(double t, Gaps& gaps) const {
-  if (gaps.friction.empty())
-    return coefficients_;
-  evaluate_friction(t, gaps.friction);
-  return gaps.friction;
-}
-
-void ContactPairs::evaluate_friction(double t, std::span<double> mu) const {
-  for (int i = 0; i < count(); ++i)
-    if (const auto& coefficient = friction_[obstacles_[i]]) {
-      const double* x = &points_[3 * static_cast<std::size_t>(i)];
-      mu[i] = coefficient->value(0, x, t);
-      if (mu[i] < 0)
-        throw UserError(
-            fmt::format("{}: found {:.6g} at the node at {} and t = {:.6g} s; a coefficient of friction must "
-                        "be at least 0",
-                        coefficient->key(), mu[i], shown(*this, i), t));
-    }
 }
 
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {

@@ -211,7 +211,8 @@ std::string echo(const Scene& scene, int dim) {
   const Components still = zero(static_cast<std::size_t>(dim));
   // With moving clamps the default is their motion at the start, which a field of expressions cannot state.
   if (std::ranges::all_of(whole.clamps, [](const Clamp& clamp) { return vanishes(*clamp.value); })) {
-    fill(whole.initial.displacement, still);
+    if (!whole.initial.equilibrium)
+      fill(whole.initial.displacement, still);
     fill(whole.initial.velocity, still);
   }
   if (whole.control) {

@@ -73,8 +73,11 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
       break;
     case surface_velocity:
       rate.obstacle = static_cast<int>(scene::contact_of(scene, unknown));
-      rate.surface_velocity.emplace(*scene.contacts[static_cast<std::size_t>(rate.obstacle)].surface_velocity,
-                                    "contact.obstacle.surface_velocity", true);
+      rate.surface_velocity.emplace(
+          *scene.contacts[static_cast<std::size_t>(rate.obstacle)].surface_velocity,
+          scene::contact_key(scene.contacts, static_cast<std::size_t>(rate.obstacle)) +
+              ".obstacle.surface_velocity",
+          true);
       break;
     case position:
     case angle:
@@ -368,7 +371,9 @@ bool ParameterRates::law(std::size_t j, std::span<double> c) const {
     if (pairs.obstacles()[i] == rate.obstacle &&
         contact.equations[n].motion == contact::Motion::slips) // σ = μ λ d: by μ, λ d
       for (std::size_t row = 1; row < k; ++row)
-        c[pairs.rows().row(i, row)] = contact.forces[at + row] / rate.coefficient;
+        for (std::size_t j = 1; j < k; ++j)
+          c[pairs.rows().row(i, row)] +=
+              contact.equations[n].F[row * k + j] * contact.forces[at + j] / rate.coefficient;
     at += k;
   }
   return true;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/step.h"
 #include "base/error.h"
-#include "base/text.h"
 #include "base/timers.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/mass_redistribution.h"
@@ -217,30 +216,6 @@ void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State
 
 } // namespace
 
-namespace {
-
-std::string described(const contact::LawFailure& failure, const contact::ContactPairs& pairs) {
-  return fmt::format("{}, at the node at {} with the coefficient of friction {:.4g}{}", failure.what(),
-                     point_text(&pairs.points()[3 * static_cast<std::size_t>(failure.group)]),
-                     failure.friction,
-                     failure.friction < failure.critical
-                         ? "; shorten the steps"
-                         : fmt::format(". From {:.4g} on several forces are possible there, or none can be "
-                                       "reached; shorten the steps or lower the coefficient",
-                                       failure.critical));
-}
-
-} // namespace
-
-void Stepper::set_slip_gaps(const StepInput& in, std::span<const double> psi, Workspace& work) const {
-  const auto m = static_cast<std::size_t>(pairs_->count());
-  pairs_->obstacle_ways(in.step.begin, in.step.end, work.slip_gaps);
-  pairs_->rows().apply_transpose(in.from.y(), work.motion);
-  for (std::size_t row = m; row < work.motion.size(); ++row)
-    work.slip_gaps[row] += work.motion[row];
-  std::ranges::copy(psi, work.slip_gaps.begin());
-}
-
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = in.step.scheme();
   const StepOperators::PerStepLength& with = of_length(scheme.tau);
@@ -272,7 +247,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     try {
       solver->solve(problem, *work.contact);
     } catch (const contact::LawFailure& failure) {
-      throw SolverFailure(described(failure, *pairs_));
+      throw SolverFailure(described(failure));
     }
   } else
     with.solver->linear().solve(work.r, out.to.y());
@@ -293,25 +268,6 @@ const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::P
   if (solver && std::exchange(work.tau, with.tau) != with.tau)
     work.contact->forget();
   return solver;
-}
-
-AdjointState Stepper::adjoint_state() const {
-  AdjointState state(space_.vector(), branches());
-  if (frictional())
-    state.slip = space_.vector();
-  return state;
-}
-
-std::span<const double> Stepper::with_slip(std::span<const double> value, const State& from,
-                                           Workspace& work) const {
-  if (!frictional())
-    return value;
-  const contact::ConstraintRows& rows = pairs_->rows();
-  rows.apply_transpose(from.y(), work.motion);
-  for (std::size_t i = 0; i < work.motion.size(); ++i)
-    work.slip_gaps[i] =
-        (value.empty() ? 0 : value[i]) + (i < static_cast<std::size_t>(rows.groups()) ? 0 : work.motion[i]);
-  return work.slip_gaps;
 }
 
 void Stepper::solve_on_active_set(double tau, Direction direction,
@@ -392,15 +348,9 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
   if (contact.weak.empty())
     return linearised_step(step, contact, work);
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  if (frictional()) {
-    const contact::ActiveSet set = contact.active;
-    const contact::LinearisedContact one{.r = work.r,
-                                         .set = set,
-                                         .value = with_slip(step.normal, step.from, work),
-                                         .x = step.to.y(),
-                                         .multipliers = step.multipliers};
-    contact_solver(of_length(step.scheme.tau), work)->solve_one_sided(one, contact, *work.contact);
-  } else
+  if (frictional())
+    solve_one_sided_slip(step, contact, work);
+  else
     solve_one_sided(step.scheme, contact, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
   set_branches(step.scheme, step.from, step.to);
@@ -451,12 +401,8 @@ Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
       step.multipliers.empty() && step.state.slip ? std::span<double>(work.mu) : step.multipliers;
   solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
                       step.state.p, mu, work, {}, step.law_duals);
-  if (step.state.slip) { // the gaps of tangential rows in step k contain y_{k−1}
-    std::ranges::copy(mu, work.motion.begin());
-    std::fill_n(work.motion.begin(), pairs_->count(), 0.0);
-    check(VecZeroEntries(step.state.slip));
-    pairs_->rows().apply(1, work.motion, step.state.slip);
-  }
+  if (step.state.slip)
+    set_slip_dual(mu, step.state.slip, work);
   ++adjoint_steps;
   return jump;
 }

@@ -12,6 +12,10 @@
 #include <span>
 #include <utility>
 
+namespace signorini::contact {
+struct LawFailure;
+}
+
 namespace signorini::step {
 
 /// State of a motion, or of a linearised motion, at one time: a list of vectors of V, its parts. They are the
@@ -247,9 +251,17 @@ private:
   /// Sets work.r for a linearised step. Returns the predictor's jump, null without a jump.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
+  /// Returns the message of a failure, with the place of the candidate.
+  [[nodiscard]] std::string described(const contact::LawFailure& failure) const;
   /// Sets work.slip_gaps to the gaps ψ (rows, m) of a step with friction: `psi` on normal rows, and Tᵀy_{k−1}
   /// plus the ways of the obstacles on tangential ones.
   void set_slip_gaps(const StepInput& in, std::span<const double> psi, Workspace& work) const;
+  /// Solves a linearised step with friction to one side, for the right-hand side work.r; replaces the active
+  /// set and the equations of `contact` by those on which the solution is linear.
+  void solve_one_sided_slip(const LinearisedStep& step, contact::ContactLinearisation& contact,
+                            Workspace& work) const;
+  /// Sets `dual` to T μ_t, by which the slip of a step depends on the displacement at its start. `mu`: rows.
+  void set_slip_dual(std::span<const double> mu, Vec dual, Workspace& work) const;
   /// Returns `value` (rows; empty: zero) plus Tᵀδy_{k−1} on the tangential rows; `value` itself without
   /// friction.
   std::span<const double> with_slip(std::span<const double> value, const State& from, Workspace& work) const;

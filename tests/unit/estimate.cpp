@@ -270,8 +270,8 @@ TEST_CASE("the error of J is estimated unless the body relaxes", "[adjoint]") {
   CHECK(measured.estimate.has_value() == !relaxes);
   if (relaxes)
     CHECK_THROWS_WITH(
-        accuracy::require_no_relaxation(scene, "--accuracy", "leave it out"),
+        accuracy::require_estimable(scene, "--accuracy", "leave it out"),
         Catch::Matchers::ContainsSubstring("--accuracy: cannot be combined with material.prony"));
   else
-    CHECK_NOTHROW(accuracy::require_no_relaxation(scene, "--accuracy", "leave it out"));
+    CHECK_NOTHROW(accuracy::require_estimable(scene, "--accuracy", "leave it out"));
 }

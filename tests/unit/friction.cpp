@@ -214,3 +214,32 @@ TEST_CASE("tangents that clamps hold have no friction, and those held in part ar
                                         tilted.scene.contacts),
                   UserError);
 }
+
+TEST_CASE("friction that is zero at places and times obeys the laws", "[forward]") {
+  const std::string scheme = GENERATE(as<std::string>{}, "time.scheme=contact-implicit",
+                                      "time.scheme=contact-stabilized", "contact.mass=massless");
+  const std::string friction =
+      GENERATE(as<std::string>{}, "\"0*t\"", "\"t < 0.3 ? 0 : 0.4\"", "\"x < 0.5 ? 0 : 0.3\"", "1e-14");
+  const bool space = GENERATE(false, true);
+  CAPTURE(scheme, friction, space);
+  const test::Ready ready(space ? "tests/data/cube.toml" : "tests/data/block.toml",
+                          {scheme, "contact.friction=" + friction});
+  const test::Recorded motion(ready.problem, ready.problem.load());
+  const test::Laws laws(motion);
+  CHECK(laws.touched > 5);
+  CHECK(laws.energy < 1e-12);
+  CHECK(laws.momentum < 1e-12);
+}
+
+TEST_CASE("friction is refused beside nodes whose constraints depend on each other", "[contact]") {
+  const std::string corner =
+      "contact=[{on=\"bottom\", obstacle={shape=\"half-space\", point=[0, -0.1], normal=[0, 1]}}, "
+      "{on=\"bottom\", obstacle={shape=\"half-space\", point=[0, -0.2], normal=[0, 1]}}";
+  const auto pairs = [&](const std::string& third) {
+    const test::Body body("tests/data/block.toml", 1, {corner + third + "]"});
+    return contact::ContactPairs(body.space, fem::DirichletDofs(body.space, {}), body.scene.contacts).count();
+  };
+  const std::string top = ", {on=\"top\", obstacle={shape=\"half-space\", point=[0, 9], normal=[0, -1]}";
+  CHECK(pairs(top + "}") > 0);
+  CHECK_THROWS_AS(pairs(top + ", friction=0.2}"), UserError);
+}

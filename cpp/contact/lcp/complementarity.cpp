@@ -73,7 +73,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   state.forces.clear();
   state.equations.clear();
   state.weak.clear();
-  if (std::ranges::all_of(state.gap, [&](double g) { return g > gap_tolerance_; }) &&
+  if (std::ranges::all_of(state.normal_gap(), [&](double g) { return g > gap_tolerance_; }) &&
       std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
     return;
   PetscReal size = 0;
@@ -112,7 +112,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
       state.active.push_back(static_cast<int>(i));
       state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
       if (!rows_.symmetric())
-        state.equations.push_back(group.law.linearised(group.rho(), group.U(), group.friction, closed));
+        state.equations.push_back(group.law.linearised(
+            group.rho(), group.U(), compliance(static_cast<int>(i)), group.friction, closed));
     }
     const bool weak = state.status[i] == Status::weak;
     if (weak && !rows_.symmetric())

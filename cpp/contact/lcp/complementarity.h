@@ -39,6 +39,9 @@ public:
     return holds_to(negligible, negligible, state);
   }
 
+  /// Gap by which a unit of a candidate's multiplier moves its node if all other nodes are fixed.
+  [[nodiscard]] double compliance(int candidate) const { return 1 / multiplier_per_motion_[candidate]; }
+
 private:
   /// Displacement (m) below which forces count as zero: the one by which a force would move its node if all
   /// other nodes were fixed. `size`: largest displacement, m; `tolerance`: relative error of displacements.

@@ -78,7 +78,10 @@ std::vector<double> lemke(std::span<const double> M, std::span<const double> q) 
   const auto lowest = static_cast<std::size_t>(std::ranges::min_element(q) - q.begin());
   if (n == 0 || q[lowest] >= 0)
     return z;
-  Tableau tableau(M, q);
+  const double unit = -q[lowest];
+  std::vector<double> scaled(q.begin(), q.end());
+  scale(1 / unit, scaled);
+  Tableau tableau(M, scaled);
   std::size_t entering = tableau.partner(tableau.pivot(lowest, tableau.artificial()));
   const std::size_t most = 50 * n;
   for (std::size_t i = 0; i < most; ++i) {
@@ -89,7 +92,7 @@ std::vector<double> lemke(std::span<const double> M, std::span<const double> q) 
     if (left == tableau.artificial()) {
       for (std::size_t j = 0; j < n; ++j)
         if (const std::size_t variable = tableau.basic(j); variable >= n && variable < 2 * n)
-          z[variable - n] = std::max(tableau.value(j), 0.0);
+          z[variable - n] = unit * std::max(tableau.value(j), 0.0);
       return z;
     }
     entering = tableau.partner(left);

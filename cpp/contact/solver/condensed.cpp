@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 
 namespace signorini::contact {
 using petsc::check;
@@ -244,12 +245,14 @@ void CondensedSolver::solve_one_sided(const LinearisedContact& step, ContactLine
   const FirstOrderLaws laws(rows_, contact);
   ContactState change(rows_.groups(), rows_.count());
   change.friction = laws.friction();
+  if (step.value.empty() || !step.law.empty())
+    throw std::logic_error("one-sided steps take gaps and no right-hand sides of laws");
   delassus_.predict_gap(step.r, {step.x, step.set}, step.value, work.gap0, work.half_solve);
   LawSolver(rows_, delassus_, laws.laws()).solve({}, negligible(step.value, work.gap0), change, work);
   delassus_.finish(step.value, change.lambda, change.gap, step.x, work);
   if (!step.multipliers.empty())
     std::ranges::copy(change.lambda, step.multipliers.begin());
-  laws.select(change, contact);
+  laws.select(change, complementarity_, contact);
 }
 
 double CondensedSolver::negligible(std::span<const double> psi, std::span<const double> gap0) const {
@@ -263,6 +266,7 @@ double CondensedSolver::negligible(std::span<const double> psi, std::span<const 
 void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
   const auto& [r, psi, previous, state, y, guess] = step;
   state.vi_iterations = 0;
+  state.several = false;
   delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.half_solve);
   work.set.clear();
   bool open = true;

@@ -22,11 +22,11 @@ public:
 
   [[nodiscard]] Workspace workspace() const override;
   void solve(const ContactProblem& step, Workspace& work) const override;
-  /// Solves a linearised step. Call linearise_by() before this and before solve_transposed().
   void solve_one_sided(const LinearisedContact& step, ContactLinearisation& contact,
                        Workspace& work) const override {
     linearised_->solve_one_sided(step, contact, work);
   }
+  /// Solves a linearised step. Call linearise_by() before this and the solves below and above.
   void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
     linearised_->solve_linearised(step, work);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/law_solver.h"
 #include "base/collective.h"
+#include "contact/coulomb.h"
 #include "contact/lcp/lemke.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -11,14 +12,18 @@
 
 namespace signorini::contact {
 
+double LawSolver::residual(int group, const ContactState& state) const {
+  const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
+  const std::size_t k = rows_.size(group);
+  const double found = laws_[group]->residual({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group],
+                                              state.friction_of(static_cast<std::size_t>(group)));
+  return std::isfinite(found) ? found : std::numeric_limits<double>::infinity();
+}
+
 double LawSolver::residual(const ContactState& state) const {
   double largest = 0;
-  for (int i = 0; i < rows_.groups(); ++i) {
-    const std::array<double, 3> rho = rows_.of_group(i, state.lambda), U = rows_.of_group(i, state.gap);
-    const std::size_t k = rows_.size(i);
-    largest = std::max(largest, laws_[i]->residual({rho.data(), k}, {U.data(), k}, delassus_.column(i)[i],
-                                                   state.friction_of(static_cast<std::size_t>(i))));
-  }
+  for (int i = 0; i < rows_.groups(); ++i)
+    largest = std::max(largest, residual(i, state));
   return largest;
 }
 
@@ -39,6 +44,7 @@ void LawSolver::add_to_multiplier(int row, double change, ContactState& state) c
 }
 
 void LawSolver::start(std::span<const double> lambda, ContactState& state, Workspace& work) const {
+  state.several = false;
   std::ranges::fill(state.lambda, 0);
   std::ranges::copy(work.gap0, state.gap.begin());
   for (std::size_t row = 0; row < lambda.size(); ++row)
@@ -99,7 +105,11 @@ bool LawSolver::settle(double negligible, bool backtracking, ContactState& state
     if (now <= negligible)
       return true;
     const std::vector<double> lambda = state.lambda, gap = state.gap;
-    newton_step(state, work);
+    try {
+      newton_step(state, work);
+    } catch (const SolverFailure&) { // a singular system, on all ranks: the next method tries
+      return false;
+    }
     const double before = std::exchange(now, residual(state));
     if (backtracking && now > before) {
       shorten(lambda, gap, before, state);
@@ -151,10 +161,14 @@ void LawSolver::relax(int group, ContactState& state) const {
   }
 }
 
-void LawSolver::sweep(int most, double negligible, ContactState& state, Workspace& work) const {
+void LawSolver::prepare_all() const {
   std::vector<int> all(static_cast<std::size_t>(rows_.count()));
   std::iota(all.begin(), all.end(), 0);
   delassus_.prepare(all);
+}
+
+void LawSolver::sweep(int most, double negligible, ContactState& state, Workspace& work) const {
+  prepare_all();
   on_root<SolverFailure>(rows_.comm(), [&] {
     start(std::vector<double>(state.lambda), state, work); // gaps without the rounding of earlier steps
     for (int i = 0; i < most && residual(state) > negligible; ++i, ++state.vi_iterations)
@@ -172,10 +186,11 @@ bool LawSolver::pivot(ContactState& state, Workspace& work) const {
   constexpr std::size_t most = 2000;
   const std::size_t n = m + 3 * rubbing;
   for (int i = 0; i < rows_.groups(); ++i)
-    if (rows_.size(i) > 2)
+    if (rows_.size(i) > 2 || (laws_[i] != &coulomb && laws_[i] != &unilateral))
       return false;
   if (n > most)
     return false;
+  prepare_all();
   int solved = 0;
   on_root<SolverFailure>(rows_.comm(), [&] {
     // z = (λ, β⁺, β⁻, γ): σ = β⁺ − β⁻, γ = |U_t|; in units in which S has a unit diagonal
@@ -222,15 +237,10 @@ bool LawSolver::pivot(ContactState& state, Workspace& work) const {
 
 void LawSolver::fail(const ContactState& state) const {
   int worst = 0;
-  double largest = -1;
-  for (int i = 0; i < rows_.groups(); ++i) {
-    const std::array<double, 3> rho = rows_.of_group(i, state.lambda), U = rows_.of_group(i, state.gap);
-    const std::size_t k = rows_.size(i);
-    const double one = laws_[i]->residual({rho.data(), k}, {U.data(), k}, delassus_.column(i)[i],
-                                          state.friction_of(static_cast<std::size_t>(i)));
-    if (one > largest)
-      largest = one, worst = i;
-  }
+  for (int i = 1; i < rows_.groups(); ++i)
+    if (residual(i, state) > residual(worst, state))
+      worst = i;
+  const double largest = residual(worst, state);
   const std::array<double, 3> S = rows_.of_group(worst, delassus_.column(worst));
   throw LawFailure(fmt::format("the contact laws of {} candidates are not satisfied after {} iterations; the "
                                "largest residual is {:.3e} m",
@@ -270,7 +280,6 @@ void LawSolver::solve(std::span<const double> guess, double negligible, ContactS
     if (guess[row] != 0)
       rows.push_back(static_cast<int>(row));
   delassus_.prepare(rows);
-  state.several = false;
   using enum Method;
   for (const Method method : {newton, backtracking, sweeps, pivots, sweeps_alone}) {
     if (method < first)

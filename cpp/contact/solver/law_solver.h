@@ -44,6 +44,10 @@ public:
   [[nodiscard]] double residual(const ContactState& state) const;
 
 private:
+  /// Residual of one group's law, m; infinite if it is not finite.
+  [[nodiscard]] double residual(int group, const ContactState& state) const;
+  /// Computes all columns of S. Collective.
+  void prepare_all() const;
   /// Tries one method. Returns whether the residual is negligible. Collective.
   bool solve_by(Method method, double negligible, ContactState& state, Workspace& work) const;
   /// Sets multipliers, and the gaps that they cause.
