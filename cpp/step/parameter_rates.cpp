@@ -371,9 +371,9 @@ bool ParameterRates::law(std::size_t j, std::span<double> c) const {
     if (pairs.obstacles()[i] == rate.obstacle &&
         contact.equations[n].motion == contact::Motion::slips) // σ = μ λ d: by μ, λ d
       for (std::size_t row = 1; row < k; ++row)
-        for (std::size_t j = 1; j < k; ++j)
+        for (std::size_t other = 1; other < k; ++other)
           c[pairs.rows().row(i, row)] +=
-              contact.equations[n].F[row * k + j] * contact.forces[at + j] / rate.coefficient;
+              contact.equations[n].F[row * k + other] * contact.forces[at + other] / rate.coefficient;
     at += k;
   }
   return true;
