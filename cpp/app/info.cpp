@@ -35,13 +35,14 @@ double motions_bytes(const problem::Problem& problem) {
   const scene::Trajectory& kept = problem.scene.trajectory;
   const int controlled = problem.scene.optimizer.method == scene::OptimizerMethod::newton_cg
                              ? 3
-                             : 2;                          // iterate, trial, linearised
-  const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
-      step = sizeof(contact::ContactLinearisation) +
-             (sets * sizeof(int) + sizeof(double)) * trajectory::candidates(problem.stepper) + // forces too
-             (problem.stepper.frictional() ? sizeof(contact::LawEquation) + 2 * sizeof(double) : 0) *
-                 trajectory::candidates(problem.stepper),
-               contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
+                             : 2; // iterate, trial, linearised
+  // Kept on every rank: active sets, forces and, with friction, laws and tangential forces.
+  const double sets = problem.stepper.predictor() ? 2 : 1;
+  const double law = problem.stepper.frictional() ? sizeof(contact::LawEquation) + 2 * sizeof(double) : 0;
+  const double candidate = sets * sizeof(int) + sizeof(double) + law;
+  const double step =
+      sizeof(contact::ContactLinearisation) + candidate * trajectory::candidates(problem.stepper);
+  const double contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
   const double states = problem::state_stores(problem).bytes();
   const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
                            : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states

@@ -42,11 +42,10 @@ enum class Motion : std::uint8_t {
 /// constraint rows (ConstraintRows).
 using ActiveSet = std::vector<int>;
 
-/// Linear equation E U + F ρ = c that replaces the contact law of a group of k ≤ 3 constraint rows in a
+/// Linear equation E U + F ρ = 0 that replaces the contact law of a group of k ≤ 3 constraint rows in a
 /// Newton step or a linearised step. U are the gaps of the group, ρ its multipliers.
 struct LawEquation {
   std::array<double, 9> E{}, F{}; ///< (k × k), row by row
-  std::array<double, 3> c{};
   Motion motion = Motion::free;
   double friction = 0; ///< coefficient of friction
   bool limit = false;  ///< whether the candidate sticks with the largest friction: it is about to slip

@@ -12,7 +12,14 @@ double product(std::span<const double> x, std::span<const double> y) {
   return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
 }
 
-double length(std::span<const double> x) { return std::sqrt(product(x, x)); }
+/// Tangential multipliers that exceed the cone by the slip, σ − U_t/compliance; entries from the number of
+/// tangents on are zero.
+std::array<double, 2> beyond_cone(std::span<const double> rho, std::span<const double> U, double compliance) {
+  std::array<double, 2> sigma{};
+  for (std::size_t c = 1; c < rho.size(); ++c)
+    sigma[c - 1] = rho[c] - U[c] / compliance;
+  return sigma;
+}
 
 /// The law's equation at a normal multiplier λ̂ and tangential ones σ̂ that exceed the cone by the slip. A
 /// group sticks if `slips` is false. Otherwise σ = μ λ d + ζ P (σ − U_t/compliance) with ζ = μ λ̂/|σ̂|,
@@ -55,9 +62,7 @@ bool Coulomb::closes_to_first_order(bool, double, double, double, double) const 
 
 bool Coulomb::newton_equation(std::span<const double> rho, std::span<const double> U, double compliance,
                               double friction, LawEquation& equation) const {
-  std::array<double, 2> beyond{};
-  for (std::size_t c = 1; c < rho.size(); ++c)
-    beyond[c - 1] = rho[c] - U[c] / compliance;
+  const std::array<double, 2> beyond = beyond_cone(rho, U, compliance);
   const std::span<const double> sigma(beyond.data(), rho.size() - 1);
   const double lambda = rho[0] - U[0] / compliance;
   equation = equation_at(friction, lambda, sigma, compliance,
@@ -69,9 +74,7 @@ double Coulomb::residual(std::span<const double> rho, std::span<const double> U,
                          double friction) const {
   // compliance |ρ − P(ρ − (U + μ |U_t| e_n)/compliance)| with the projection P on the cone
   const double lambda = rho[0] - (U[0] + friction * length(U.subspan(1))) / compliance;
-  std::array<double, 2> sigma{};
-  for (std::size_t c = 1; c < rho.size(); ++c)
-    sigma[c - 1] = rho[c] - U[c] / compliance;
+  const std::array<double, 2> sigma = beyond_cone(rho, U, compliance);
   const double size = length(sigma);
   double normal = lambda, shrink = 1; // of the projection
   if (lambda < 0 || size > friction * lambda) {
@@ -99,9 +102,7 @@ LawEquation Coulomb::linearised(std::span<const double> rho, std::span<const dou
   constexpr double rounding = 1e-9;
   const bool on_cone = length(rho.subspan(1)) >= (1 - rounding) * friction * rho[0],
              slips = on_cone && (length(U.subspan(1)) > gap || friction == 0);
-  std::array<double, 2> beyond{};
-  for (std::size_t c = 1; c < rho.size(); ++c)
-    beyond[c - 1] = rho[c] - U[c] / compliance;
+  const std::array<double, 2> beyond = beyond_cone(rho, U, compliance);
   LawEquation law = equation_at(friction, rho[0], std::span(beyond).first(rho.size() - 1), compliance, slips);
   law.limit = on_cone && !slips && friction * rho[0] > 0 && rho.size() > 1;
   return law;

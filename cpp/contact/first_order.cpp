@@ -45,14 +45,6 @@ public:
     return std::sqrt(square);
   }
 
-protected:
-  static double length(std::span<const double> x) {
-    double square = 0;
-    for (const double entry : x)
-      square += entry * entry;
-    return std::sqrt(square);
-  }
-
 private:
   [[noreturn]] static void unused() { throw std::logic_error("a law to first order has Newton steps only"); }
 };

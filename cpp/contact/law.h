@@ -15,6 +15,14 @@ namespace signorini::contact {
   return sum;
 }
 
+/// Euclidean length of the entries of a few rows.
+[[nodiscard]] inline double length(std::span<const double> x) {
+  double square = 0;
+  for (const double entry : x)
+    square += entry * entry;
+  return std::sqrt(square);
+}
+
 /// Contact law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
 /// contact laws only through this interface. Spans have one entry for each row of the group, with the normal
 /// row first. `friction` is the coefficient of friction of the group in the step; laws without friction
@@ -54,7 +62,7 @@ public:
   [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
                                       double gap) const = 0;
 
-  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = c, with c = 0. Slips up to
+  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = 0. Slips up to
   /// `gap` (m) count as zero. `compliance`: about that of newton_equation(), for rows of similar size.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
                                                double compliance, double friction, double gap) const = 0;

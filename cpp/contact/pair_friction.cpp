@@ -106,4 +106,10 @@ void ContactPairs::evaluate_friction(double t, std::span<double> mu) const {
     }
 }
 
+std::vector<scene::Contact> without_friction(std::vector<scene::Contact> contacts) {
+  for (scene::Contact& contact : contacts)
+    contact.friction = 0;
+  return contacts;
+}
+
 } // namespace signorini::contact

@@ -179,6 +179,9 @@ private:
   std::optional<ConstraintRows> rows_; ///< absent until the pairs have been found
 };
 
+/// Returns the contacts without their friction: their pairs have normal rows alone.
+[[nodiscard]] std::vector<scene::Contact> without_friction(std::vector<scene::Contact> contacts);
+
 /// Changes the initial displacement y of nodes that start inside an obstacle with contact.initial =
 /// "project": moves them to the closest position that the constraints of all their obstacles permit. Throws
 /// UserError if nodes start inside any other obstacle, naming the deepest of these nodes, and if a node has

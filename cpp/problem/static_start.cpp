@@ -13,9 +13,9 @@ using petsc::check;
 
 namespace {
 
-/// Steps so long that inertia is negligible beside stiffness: D y' + N λ = (D − s A) y + s f, with s = τ²/4
-/// and D = M + τ/2 B + s A. Their limit is the equilibrium; where nothing holds the body, it moves by s a in
-/// each.
+/// Steps so long that inertia is negligible beside stiffness: D y' + N λ = (D − s A) y + s f, with s = τ²/4,
+/// where D is that of a body without damping. Their limit is the equilibrium; where nothing holds the body,
+/// it moves by s a in each.
 class LongSteps {
 public:
   LongSteps(const step::Stepper& stepper, const fem::Operators& operators, const scene::Scene& scene,
@@ -82,17 +82,6 @@ private:
   std::optional<contact::Workspace> work_;
 };
 
-/// Pairs without friction.
-std::optional<contact::ContactPairs> smooth_pairs(const step::Stepper& stepper, const scene::Scene& scene) {
-  if (!stepper.pairs())
-    return std::nullopt;
-  std::vector<scene::Contact> contacts = scene.contacts;
-  for (scene::Contact& contact : contacts)
-    contact.friction = 0;
-  return std::optional<contact::ContactPairs>(std::in_place, stepper.space(), stepper.clamped(), contacts,
-                                              scene.time);
-}
-
 double largest(Vec x) {
   PetscReal size = 0;
   check(VecNorm(x, NORM_INFINITY, &size));
@@ -133,7 +122,9 @@ petsc::Vector forces(const step::Stepper& stepper, const fem::Operators& operato
 
 void start_in_equilibrium(const step::Stepper& stepper, const fem::Operators& operators,
                           const scene::Scene& scene, const step::SceneLoad* load, Vec y) {
-  const std::optional<contact::ContactPairs> pairs = smooth_pairs(stepper, scene);
+  std::optional<contact::ContactPairs> pairs;
+  if (stepper.pairs())
+    pairs.emplace(stepper.space(), stepper.clamped(), contact::without_friction(scene.contacts), scene.time);
   constexpr double long_step = 100; // in crossings of a wave
   LongSteps steps(stepper, operators, scene, pairs ? &*pairs : nullptr,
                   long_step * diagnostics::body_figures(stepper, scene).crossing);

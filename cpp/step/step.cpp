@@ -64,12 +64,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (scene::has_massless_candidates(contact_scheme_))
     move_mass(scene);
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized) {
-    if (frictional()) { // the predictor is projected along normals only
-      std::vector<scene::Contact> smooth = scene.contacts;
-      for (scene::Contact& contact : smooth)
-        contact.friction = 0;
-      smooth_pairs_.emplace(space, clamped_, smooth, scene.time);
-    }
+    if (frictional()) // the predictor is projected along normals only
+      smooth_pairs_.emplace(space, clamped_, contact::without_friction(scene.contacts), scene.time);
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_,
                        smooth_pairs_ ? *smooth_pairs_ : *pairs_, solver, needs.derivatives, solves);
   }

@@ -17,7 +17,7 @@ public:
   /// candidates.
   FullSolver(const ContactPairs& pairs, Mat D);
 
-  /// Sets the solver for linearised and transposed steps.
+  /// Sets the solver for linearised, one-sided and transposed steps; call this before the first of them.
   void linearise_by(std::unique_ptr<const ContactStepSolver> solver) { linearised_ = std::move(solver); }
 
   [[nodiscard]] Workspace workspace() const override;
@@ -26,7 +26,6 @@ public:
                        Workspace& work) const override {
     linearised_->solve_one_sided(step, contact, work);
   }
-  /// Solves a linearised step. Call linearise_by() before this and the solves below and above.
   void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
     linearised_->solve_linearised(step, work);
   }

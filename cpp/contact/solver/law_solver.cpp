@@ -70,11 +70,11 @@ void LawSolver::newton_step(ContactState& state, Workspace& work) const {
       add_to_multiplier(row, -state.lambda[row], state);
       state.lambda[row] = 0; // not a rounding error
     }
-  for (std::size_t j = 0; j < work.set.size(); ++j) { // E S δρ + F δρ = c − E U − F ρ
+  for (std::size_t j = 0; j < work.set.size(); ++j) { // E S δρ + F δρ = −E U − F ρ
     const LawEquation& law = work.equations[j];
     const int i = work.set[j];
     for (std::size_t c = 0, k = rows_.size(i); c < k; ++c)
-      work.b.push_back(law.c[c] - times(law.E, k, c, rows_.of_group(i, state.gap)) -
+      work.b.push_back(-times(law.E, k, c, rows_.of_group(i, state.gap)) -
                        times(law.F, k, c, rows_.of_group(i, state.lambda)));
   }
   state.several = delassus_.solve_equations(work.set, work.equations, false, work.b, work) < 0;
@@ -146,7 +146,7 @@ void LawSolver::relax(int group, ContactState& state) const {
           X[j * k + c] = times(law.E, k, c, S) + law.F[c * k + j];
       }
       for (std::size_t c = 0; c < k; ++c)
-        change[c] = law.c[c] - times(law.E, k, c, U) - times(law.F, k, c, rho);
+        change[c] = -times(law.E, k, c, U) - times(law.F, k, c, rho);
       if (solve_general({X.data(), k * k}, k, false, {change.data(), k}) != 0)
         return;
     }
