@@ -147,7 +147,7 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
     changed.time.tolerance = rung.tolerance;
   changed.mesh.degree = rung.degree;
   changed.time.scheme = time_scheme(rung.scheme);
-  if (rung.scheme != scene::ContactScheme::mixed)
+  if (rung.scheme != scene::ContactScheme::mixed && rung.scheme != scene.contact_scheme())
     for (scene::Contact& contact : changed.contacts)
       contact.mass = rung.scheme == scene::ContactScheme::massless ? scene::ContactMass::massless
                                                                    : scene::ContactMass::consistent;

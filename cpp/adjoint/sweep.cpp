@@ -41,6 +41,8 @@ public:
         e_next_(e_.size()), factors_(e_.size()) {
     if (!e_.empty())
       force_ = motion.stepper.space().vector();
+    if (motion.stepper.velocity_extrapolation())
+      functional_ = motion.stepper.space().vector();
   }
 
   /// Computes e_k from e_{k+1}, and adds the contribution of velocities to ∂J/∂y_k in `dual`.
@@ -58,7 +60,7 @@ public:
       e_[i] += moved ? e_next_[i] : -e_next_[i];
       factors_[i] = rate * e_[i] - later * e_next_[i];
     }
-    duals_.add_velocities(factors_, dual.vector);
+    add_velocities(factors_, dual.vector);
   }
 
   /// Returns the data of the transposed projection of step k + 1, which acts on M s_{k+1} and the force
@@ -73,7 +75,7 @@ public:
     for (std::size_t i = 0; i < e_.size(); ++i)
       factors_[i] = -rate * e_next_[i];
     check(VecZeroEntries(force_));
-    duals_.add_velocities(factors_, force_);
+    add_velocities(factors_, force_);
     projection_.force = force_;
     return &projection_;
   }
@@ -94,14 +96,24 @@ public:
   /// Returns the multipliers ζ of the last transposed projection (rows).
   [[nodiscard]] std::span<const double> zeta() const { return zeta_; }
   /// Adds e_0, the dual of the initial velocities without M ω_0, to `dual`.
-  void add_start(Vec dual) const { duals_.add_velocities(e_, dual); }
+  void add_start(Vec dual) const { add_velocities(e_, dual); }
 
 private:
+  /// Adds Σ_i factors_i Eᵀφ_i to `sum`, with the extrapolation E of velocities, or the identity.
+  void add_velocities(std::span<const double> factors, Vec sum) const {
+    const Mat E = motion_.stepper.velocity_extrapolation();
+    if (!E)
+      return duals_.add_velocities(factors, sum);
+    check(VecZeroEntries(functional_));
+    duals_.add_velocities(factors, functional_);
+    check(MatMultTransposeAdd(E, functional_, sum, sum));
+  }
+
   const Motion& motion_;
   const VelocityForceDuals& duals_;
   std::vector<double> normal_, zero_, mu_, law_, zeta_; ///< normal_: ∂J/∂λ_k
   std::vector<double> e_, e_next_, factors_; ///< coefficients of e_k and e_{k+1} in the functionals
-  petsc::Vector force_{};
+  petsc::Vector force_{}, functional_{};
   step::PredictorProjection::Data projection_;
 };
 

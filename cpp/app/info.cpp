@@ -131,10 +131,12 @@ Costs costs(const problem::Problem& problem) {
                         stepper.solver().memory().condensation,
                         "without contact: check of the gaps; in contact: one inequality"};
     if (stepper.predictor())
-      costs["contact-stabilized"] = {"the factor of M", stepper.scheme_bytes(),
+      costs["contact-stabilized"] = {"the factor of M", stepper.predictor_bytes(),
                                      "in contact: one inequality with M"};
-    else if (stepper.scheme_bytes() > 0)
-      costs["massless contact"] = {"M redistributed", stepper.scheme_bytes(), "nothing: included in D and R"};
+    if (const double bytes = stepper.redistribution_bytes(); bytes > 0)
+      costs["massless contact"] = {"M redistributed", bytes,
+                                   stepper.predictor() ? "velocities of contact nodes"
+                                                       : "nothing: included in D and R"};
     if (pairs->moving())
       costs["moving obstacle"].step = "recomputed gaps";
   }
@@ -188,7 +190,7 @@ StepTimes time_steps(const problem::Problem& problem, int steps) {
       problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
       [&](const trajectory::Frame& frame) {
         const double seconds = seconds_since(start);
-        const bool touches = !frame.contact.active.empty();
+        const bool touches = !frame.contact.closed().empty();
         if (frame.step.k > 0) {
           (touches ? times.contact : times.free) += seconds;
           ++(touches ? times.contact_steps : times.free_steps);

@@ -2,6 +2,7 @@
 #pragma once
 #include "base/petsc.h"
 #include "contact/law.h"
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -74,6 +75,8 @@ public:
   [[nodiscard]] const Law& law(int group) const { return *laws_[group]; }
   /// Whether all laws are symmetric.
   [[nodiscard]] bool symmetric() const { return symmetric_; }
+  /// Whether some law has forces on groups that are not in contact.
+  [[nodiscard]] bool act_open() const { return std::ranges::any_of(laws_, &Law::acts_open); }
 
   /// Nodal force of a unit multiplier: the row's coefficients at unclamped dofs, and zero at clamped ones.
   [[nodiscard]] std::span<const double> force(int row) const { return part(forces_, row); }

@@ -25,8 +25,8 @@ enum class Status : std::uint8_t {
 enum class Motion : std::uint8_t {
   open,   ///< not in contact
   free,   ///< in contact without friction
-  sticks, ///< in contact with friction, at rest relative to the obstacle
-  slips,  ///< in contact with friction that has reached its bound; moves along the obstacle
+  sticks, ///< with friction, at rest relative to the obstacle
+  slips,  ///< with friction that has reached its bound; moves along the obstacle
 };
 
 /// Name of a motion as written in tables.
@@ -42,20 +42,31 @@ enum class Motion : std::uint8_t {
 /// constraint rows (ConstraintRows).
 using ActiveSet = std::vector<int>;
 
-/// Linear equation E U + F ρ = 0 that replaces the contact law of a group of k ≤ 3 constraint rows in a
+/// Linear equation E U + F ρ = c that replaces the contact law of a group of k ≤ 3 constraint rows in a
 /// Newton step or a linearised step. U are the gaps of the group, ρ its multipliers.
 struct LawEquation {
-  std::array<double, 9> E{}, F{}; ///< (k × k), row by row
+  std::array<double, 9> E{}, F{};   ///< (k × k), row by row
+  std::array<double, 3> constant{}; ///< c; zero in linearised steps
   Motion motion = Motion::free;
-  double friction = 0; ///< coefficient of friction
+  double friction = 0; ///< as ContactState::friction
+  bool closed = true;  ///< whether the candidate is in contact; false only if its law acts without contact
+  bool weak = false;   ///< whether the candidate is in contact without normal force: it is about to open
   bool limit = false;  ///< whether the candidate sticks with the largest friction: it is about to slip
+
+  /// Replaces the normal row by λ = 0. `compliance`: change of the normal gap per unit of λ.
+  void open(double compliance) {
+    E[0] = 0;
+    F[0] = compliance;
+    closed = false;
+  }
 };
 
 /// Contact data of a step that the linearised step, the adjoint step and the next step need. They are the
 /// same on every rank. The size of the data grows with the number of candidates in contact, not with the
 /// number m of all candidates.
 struct ContactLinearisation {
-  ActiveSet active;           ///< active set A = S ∪ W
+  /// Active set A = S ∪ W; with Tresca friction, which acts without contact, all of its candidates too.
+  ActiveSet active;
   std::vector<double> forces; ///< ρ of all rows of active groups: τ²/2 times the nodal contact forces
   /// Linearised contact laws of the active groups. Empty if all laws are symmetric: then each active group
   /// has zero gap and an arbitrary multiplier.
@@ -64,6 +75,16 @@ struct ContactLinearisation {
   ActiveSet weak{};
   ActiveSet predictor{}; ///< Z: candidates closed at the projected predictor; empty in other schemes
 
+  /// Whether the candidate active[j] is in contact.
+  [[nodiscard]] bool closed(std::size_t j) const { return equations.empty() || equations[j].closed; }
+  /// Candidates in contact, ascending.
+  [[nodiscard]] ActiveSet closed() const {
+    ActiveSet set;
+    for (std::size_t j = 0; j < active.size(); ++j)
+      if (closed(j))
+        set.push_back(active[j]);
+    return set;
+  }
   /// Motion of the candidate active[j] along its obstacle.
   [[nodiscard]] Motion motion(std::size_t j) const {
     return equations.empty() ? Motion::free : equations[j].motion;
@@ -75,7 +96,9 @@ struct ContactState : ContactLinearisation {
   std::vector<double> lambda; ///< multipliers ρ of all constraint rows; the first m rows are the normal ones
   std::vector<double> gap;    ///< gaps U of all constraint rows, m
   std::vector<Status> status; ///< status of each candidate
-  /// Coefficient of friction of each candidate in this step, an input of the step; empty without friction.
+  /// Friction of each candidate in this step, an input of the step: the coefficient of Coulomb friction, or
+  /// the bound of the tangential multiplier in Tresca friction, τ²/2 times that of the force. Empty without
+  /// friction.
   std::vector<double> friction{};
   /// On rank 0: whether the laws of the step have at least two other solutions, which friction can cause.
   bool several = false;
@@ -100,14 +123,14 @@ struct ContactState : ContactLinearisation {
   }
   /// Normal gaps g_i of the m candidates, m.
   [[nodiscard]] std::span<const double> normal_gap() const { return std::span(gap).first(status.size()); }
-  /// Coefficient of friction of a candidate.
+  /// Friction of a candidate, as above; 0 without friction.
   [[nodiscard]] double friction_of(std::size_t i) const { return friction.empty() ? 0 : friction[i]; }
 
   /// The part of this state that is kept after the step.
   [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }
 
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }
-  /// Number of candidates in contact with a motion; 0 if no candidate has friction.
+  /// Number of active candidates with a motion; 0 if no candidate has friction.
   [[nodiscard]] int count(Motion which) const {
     return static_cast<int>(std::ranges::count(equations, which, &LawEquation::motion));
   }

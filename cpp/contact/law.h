@@ -23,10 +23,15 @@ namespace signorini::contact {
   return std::sqrt(square);
 }
 
+/// Change of a group's gaps per unit of its multipliers, along the normal and along the tangents.
+struct Compliance {
+  double normal, tangential;
+};
+
 /// Contact law between the multipliers ρ and the gaps U of a group of rows. Solvers and derivatives access
 /// contact laws only through this interface. Spans have one entry for each row of the group, with the normal
-/// row first. `friction` is the coefficient of friction of the group in the step; laws without friction
-/// ignore it.
+/// row first. `friction`: of the group in the step, as ContactState::friction; laws without friction ignore
+/// it.
 class Law {
 public:
   virtual ~Law() = default;
@@ -35,6 +40,14 @@ public:
   /// set describes the law completely, and the linear systems are symmetric.
   [[nodiscard]] virtual bool symmetric() const = 0;
 
+  /// Whether the law has forces on groups that are not in contact.
+  [[nodiscard]] virtual bool acts_open() const { return false; }
+
+  /// Bound of the tangential multipliers for the normal multiplier `lambda`; 0 without friction.
+  [[nodiscard]] virtual double bound([[maybe_unused]] double friction, [[maybe_unused]] double lambda) const {
+    return 0;
+  }
+
   /// Whether a group stays open if its gaps are U (m) in the motion without contact forces.
   [[nodiscard]] virtual bool stays_open(std::span<const double> U) const = 0;
 
@@ -42,16 +55,16 @@ public:
   /// result `lambda` and `gap`. `closed`: whether the row was in the active set of this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: change of the normal
-  /// gap per unit of the normal multiplier. Returns false if the step opens the group; its multipliers then
+  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: about that
+  /// of the step. Returns false if the step opens the group; its multipliers then
   /// become zero, and `equation` is not used.
   [[nodiscard]] virtual bool newton_equation(std::span<const double> rho, std::span<const double> U,
-                                             double compliance, double friction,
+                                             Compliance compliance, double friction,
                                              LawEquation& equation) const = 0;
 
-  /// Residual of the law, m: zero if and only if ρ and U satisfy it. `compliance` as for newton_equation().
+  /// Residual of the law, m: zero if and only if ρ and U satisfy it. `compliance`: as for newton_equation().
   [[nodiscard]] virtual double residual(std::span<const double> rho, std::span<const double> U,
-                                        double compliance, double friction) const = 0;
+                                        Compliance compliance, double friction) const = 0;
 
   /// Whether ρ and U satisfy the law; multipliers up to `force` and gaps up to `gap` (m) count as zero.
   [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double friction,
@@ -62,10 +75,10 @@ public:
   [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
                                       double gap) const = 0;
 
-  /// Linearises the law of an active group at its solution (ρ, U): E δU + F δρ = 0. Slips up to
-  /// `gap` (m) count as zero. `compliance`: about that of newton_equation(), for rows of similar size.
+  /// Linearises the law of an active group in contact at its solution (ρ, U): E δU + F δρ = 0. Slips up to
+  /// `gap` (m) count as zero. `compliance`: scales the rows.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
-                                               double compliance, double friction, double gap) const = 0;
+                                               Compliance compliance, double friction, double gap) const = 0;
 
   /// Whether a weakly active row of a symmetric law belongs to the next closed set, after a step of the
   /// one-sided derivative with the result δλ = `lambda` and −δg = `approach`. `closed`: whether the row was
@@ -84,14 +97,14 @@ public:
     return closed ? lambda > 0 : gap < 0;
   }
   [[nodiscard]] bool newton_equation(std::span<const double> rho, std::span<const double> U,
-                                     double compliance, double friction,
+                                     Compliance compliance, double friction,
                                      LawEquation& equation) const override {
     equation = linearised(rho, U, compliance, friction, 0);
-    return compliance * rho[0] > U[0];
+    return compliance.normal * rho[0] > U[0];
   }
-  [[nodiscard]] double residual(std::span<const double> rho, std::span<const double> U, double compliance,
+  [[nodiscard]] double residual(std::span<const double> rho, std::span<const double> U, Compliance compliance,
                                 double) const override {
-    return std::abs(std::min(compliance * rho[0], U[0]));
+    return std::abs(std::min(compliance.normal * rho[0], U[0]));
   }
   [[nodiscard]] bool holds(std::span<const double> rho, std::span<const double> U, double, double force,
                            double gap) const override {
@@ -101,7 +114,7 @@ public:
                               double gap) const override {
     return rho[0] > force ? Status::strong : U[0] <= gap ? Status::weak : Status::open;
   }
-  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>, double, double,
+  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>, Compliance, double,
                                        double) const override {
     LawEquation equation;
     equation.E[0] = 1;

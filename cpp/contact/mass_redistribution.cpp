@@ -191,22 +191,10 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
 
 using Block = std::array<double, 9>; // dim × dim, row by row
 
-/// For each node that loses mass, a basis of the directions of its constraints against massless obstacles.
-using Bases = std::map<PetscInt, RowBasis>;
+/// Orthogonal projectors (dim × dim) onto the directions in which nodes lose their mass, by node.
+using Projectors = std::map<PetscInt, Block>;
 
-/// Finds the directions in which nodes lose their mass. `massless`: one entry for each obstacle of the scene.
-/// Collective.
-Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs,
-                              const std::vector<bool>& massless) {
-  const std::vector<bool> faces = facing(space, pairs);
-  Bases bases;
-  for (int i = 0; i < pairs.count(); ++i)
-    if (massless[pairs.obstacles()[i]] && faces[i])
-      bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.rows()).first->second.add(i);
-  return bases;
-}
-
-/// Orthogonal projector (dim × dim, row by row) onto the directions of a basis.
+/// Orthogonal projector onto the directions of a basis.
 Block projector(const RowBasis& basis, int dim) {
   Block onto{};
   for (int c = 0; c < dim; ++c) {
@@ -220,6 +208,38 @@ Block projector(const RowBasis& basis, int dim) {
       onto[row * dim + c] = column[row];
   }
   return onto;
+}
+
+/// Orthogonal projector onto the tangents of a pair with friction, which are orthonormal.
+Block tangential_projector(const ConstraintRows& rows, int pair, int dim) {
+  Block onto{};
+  for (std::size_t c = 1; c < rows.size(pair); ++c) {
+    const std::span<const double> tangent = rows.motion(static_cast<int>(rows.row(pair, c)));
+    for (int i = 0; i < dim * dim; ++i)
+      onto[i] += tangent[i / dim] * tangent[i % dim];
+  }
+  return onto;
+}
+
+/// Finds the directions in which nodes lose their mass. Collective.
+Projectors directions_without_mass(const fem::Space& space, const ContactPairs& pairs,
+                                   const std::vector<scene::Contact>& contacts) {
+  const std::vector<bool> faces = facing(space, pairs);
+  const auto mass = [&](int i) { return contacts[static_cast<std::size_t>(pairs.obstacles()[i])].mass; };
+  std::map<PetscInt, RowBasis> bases;
+  Projectors found;
+  for (int i = 0; i < pairs.count(); ++i) {
+    const PetscInt node = pairs.first_dofs()[i] / pairs.dim();
+    if (!faces[i])
+      continue;
+    if (mass(i) == scene::ContactMass::massless)
+      bases.try_emplace(node, pairs.rows()).first->second.add(i);
+    else if (mass(i) == scene::ContactMass::massless_tangential && pairs.rows().size(i) > 1)
+      found.emplace(node, tangential_projector(pairs.rows(), i, pairs.dim()));
+  }
+  for (const auto& [node, basis] : bases)
+    found.emplace(node, projector(basis, pairs.dim()));
+  return found;
 }
 
 /// Creates an empty square AIJ matrix with `size` rows on this rank. Collective.
@@ -239,7 +259,7 @@ struct Combination {
   std::vector<PetscInt> nodes;
   std::vector<double> weights;
 };
-Combination combination(PetscInt node, const Surroundings& here, const Bases& bases,
+Combination combination(PetscInt node, const Surroundings& here, const Projectors& massless,
                         const std::map<PetscInt, Point>& place, int dim) {
   Combination found;
   for (const Requirement& requirement : requirements)
@@ -247,7 +267,7 @@ Combination combination(PetscInt node, const Surroundings& here, const Bases& ba
       found.nodes.clear();
       std::vector<Point> around;
       for (PetscInt other : here.nodes[ring])
-        if (!bases.contains(other)) {
+        if (!massless.contains(other)) {
           found.nodes.push_back(other);
           around.push_back(place.at(other));
         }
@@ -259,29 +279,22 @@ Combination combination(PetscInt node, const Surroundings& here, const Bases& ba
 
 } // namespace
 
-std::vector<bool> obstacles_without_mass(const std::vector<scene::Contact>& contacts) {
-  std::vector<bool> massless;
-  for (const scene::Contact& contact : contacts)
-    massless.push_back(contact.massless());
-  return massless;
-}
-
-petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pairs,
-                                 const std::vector<bool>& massless, Mat M) {
+petsc::Matrix velocity_extrapolation(const fem::Space& space, const ContactPairs& pairs,
+                                     const std::vector<scene::Contact>& contacts, Mat M) {
   const int dim = space.dim();
   petsc::Matrix rows;
   check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 
-  const Bases bases = directions_without_mass(space, pairs, massless);
+  const Projectors massless = directions_without_mass(space, pairs, contacts);
   std::vector<int> owned; // the first pair of each of these nodes
   for (const ConstraintRows::Cluster& here : pairs.rows().clusters())
     if (const PetscInt first = pairs.first_dofs()[here.first];
-        first >= begin && first < end && bases.contains(first / dim))
+        first >= begin && first < end && massless.contains(first / dim))
       owned.push_back(here.first);
 
-  const petsc::Matrix E = empty_square(petsc::comm(rows), end - begin, dim);
+  petsc::Matrix E = empty_square(petsc::comm(rows), end - begin, dim);
   const auto insert = [&](PetscInt row, PetscInt column, const Block& block) {
     check(MatSetValuesBlocked(E, 1, &row, 1, &column, block.data(), INSERT_VALUES)); // whole blocks, for BAIJ
   };
@@ -289,7 +302,7 @@ petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pa
   for (int c = 0; c < dim; ++c)
     identity[c * dim + c] = 1;
   for (PetscInt node = begin / dim; node < end / dim; ++node)
-    if (!bases.contains(node))
+    if (!massless.contains(node))
       insert(node, node, identity);
 
   const std::vector<Surroundings> all = surroundings(pairs, owned, rows);
@@ -297,13 +310,14 @@ petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pa
   on_all_ranks(space.comm(), [&] {
     for (const Surroundings& here : all) {
       const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
-      const auto [neighbours, weights] = combination(node, here, bases, place, dim);
+      const auto [neighbours, weights] = combination(node, here, massless, place, dim);
       if (weights.empty())
         throw UserError(fmt::format(
-            "contact.mass: found \"massless\", but all neighbours of the node at {} are contact nodes, so "
+            "contact.mass: found \"{}\", but all neighbours of the node at {} are contact nodes, so "
             "none can take its mass. Set mesh.degree = 2, refine the mesh, or choose a smaller group",
+            scene::name(contacts[static_cast<std::size_t>(pairs.obstacles()[here.candidate])].mass),
             point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
-      const Block onto = projector(bases.at(node), dim);
+      const Block& onto = massless.at(node);
       Block block{};
       for (int i = 0; i < dim * dim; ++i)
         block[i] = identity[i] - onto[i];
@@ -317,12 +331,40 @@ petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pa
   });
   check(MatAssemblyBegin(E, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(E, MAT_FINAL_ASSEMBLY));
+  return E;
+}
 
-  petsc::Matrix moved, blocks;
+petsc::Matrix redistributed_mass(Mat E, Mat M) {
+  petsc::Matrix rows, moved, blocks;
+  PetscInt dim = 1;
+  check(MatGetBlockSize(E, &dim));
+  check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   check(MatPtAP(rows, E, MAT_INITIAL_MATRIX, PETSC_DETERMINE, moved.put()));
   check(MatSetBlockSize(moved, dim));
   check(MatConvert(moved, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
   return blocks;
+}
+
+void add_removed_mass(Mat E, Mat M, Mat blocks) {
+  const petsc::Vector diagonal = fem::diagonal(M);
+  const petsc::ReadArray masses(diagonal);
+  PetscInt begin = 0, end = 0, dim = 1;
+  check(MatGetOwnershipRange(E, &begin, &end));
+  check(MatGetBlockSize(E, &dim));
+  for (PetscInt node = begin / dim; node < end / dim; ++node) {
+    std::array<PetscInt, 3> dofs{};
+    Block block{}; // E_ii, then the addition
+    for (PetscInt c = 0; c < dim; ++c)
+      dofs[c] = node * dim + c;
+    check(MatGetValues(E, dim, dofs.data(), dim, dofs.data(), block.data()));
+    const double mass = masses[static_cast<std::size_t>(node * dim - begin)];
+    for (PetscInt c = 0; c < dim; ++c)
+      for (PetscInt other = 0; other < dim; ++other)
+        block[c * dim + other] = mass * ((c == other) - block[c * dim + other]);
+    check(MatSetValuesBlocked(blocks, 1, &node, 1, &node, block.data(), ADD_VALUES));
+  }
+  check(MatAssemblyBegin(blocks, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(blocks, MAT_FINAL_ASSEMBLY));
 }
 
 } // namespace signorini::contact

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "contact/pairs.h"
+#include "contact/pressure.h"
 #include "contact/row_basis.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -86,29 +87,42 @@ void ContactPairs::obstacle_ways(double t0, double t1, std::span<double> way) co
       add_surface_ways(static_cast<int>(obstacle), *surface_velocity_[obstacle], t0, t1, way);
 }
 
-std::span<const double> ContactPairs::friction(double t, Gaps& gaps) const {
-  if (gaps.friction.empty())
-    return coefficients_;
-  evaluate_friction(t, gaps.friction);
-  return gaps.friction;
+void ContactPairs::set_tresca_areas(const fem::Space& space, const std::vector<scene::Contact>& contacts) {
+  tresca_areas_ = nodal_areas(space, *this, contacts);
+  const double largest = tresca_areas_.empty() ? 0 : *std::ranges::max_element(tresca_areas_);
+  constexpr double rounding = 1e-12; // of integrals that vanish, as those of vertices in degree 2 in space
+  for (int i = 0; i < count(); ++i)
+    if (!contacts[static_cast<std::size_t>(obstacles_[i])].bound || tresca_areas_[i] <= rounding * largest)
+      tresca_areas_[i] = 0;
 }
 
-void ContactPairs::evaluate_friction(double t, std::span<double> mu) const {
+void ContactPairs::friction(double t, double impulse, std::vector<double>& friction) const {
+  friction.assign(at_start_.begin(), at_start_.end());
+  if (friction_varies_)
+    evaluate_friction(t, friction);
+  for (std::size_t i = 0; i < tresca_areas_.size(); ++i)
+    if (rows_->law(static_cast<int>(i)).acts_open())
+      friction[i] *= impulse * tresca_areas_[i];
+}
+
+void ContactPairs::evaluate_friction(double t, std::span<double> values) const {
   for (int i = 0; i < count(); ++i)
-    if (const auto& coefficient = friction_[obstacles_[i]]) {
+    if (const auto& friction = friction_[obstacles_[i]]) {
       const double* x = &points_[3 * static_cast<std::size_t>(i)];
-      mu[i] = coefficient->value(0, x, t);
-      if (mu[i] < 0)
+      values[i] = friction->value(0, x, t);
+      if (values[i] < 0)
         throw UserError(
-            fmt::format("{}: found {:.6g} at the node at {} and t = {:.6g} s; a coefficient of friction must "
-                        "be at least 0",
-                        coefficient->key(), mu[i], point_text(x), t));
+            fmt::format("{}: found {:.6g} at the node at {} and t = {:.6g} s; a {} must be at least 0",
+                        friction->key(), values[i], point_text(x), t,
+                        rows_->law(i).acts_open() ? "bound of friction" : "coefficient of friction"));
     }
 }
 
 std::vector<scene::Contact> without_friction(std::vector<scene::Contact> contacts) {
-  for (scene::Contact& contact : contacts)
+  for (scene::Contact& contact : contacts) {
     contact.friction = 0;
+    contact.bound.reset();
+  }
   return contacts;
 }
 

@@ -3,7 +3,7 @@
 #include "base/collective.h"
 #include "base/text.h"
 #include "base/timers.h"
-#include "contact/coulomb.h"
+#include "contact/friction.h"
 #include "contact/row_basis.h"
 #include <algorithm>
 #include <array>
@@ -85,14 +85,21 @@ ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& cl
     if (shapes_.back().moves())
       moving_.push_back(i);
     friction_.emplace_back();
-    if (contacts[i].frictional())
-      friction_.back().emplace(scene::Components{contacts[i].friction}, keys_.back() + ".friction", true);
+    if (contacts[i].frictional()) {
+      const bool bounded = contacts[i].bound.has_value();
+      friction_.back().emplace(
+          scene::Components{bounded ? contacts[i].bound->traction : contacts[i].friction},
+          keys_.back() + (bounded ? ".friction.bound" : ".friction"), true);
+      friction_varies_ = friction_varies_ || friction_.back()->depends_on_time();
+    }
     surface_velocity_.emplace_back();
     if (contacts[i].surface_velocity)
       surface_velocity_.back().emplace(*contacts[i].surface_velocity,
                                        keys_.back() + ".obstacle.surface_velocity", true);
   }
   add_pairs(contacts, space, clamped, time);
+  if (std::ranges::any_of(contacts, [](const scene::Contact& contact) { return contact.bound.has_value(); }))
+    set_tresca_areas(space, contacts);
   NodeWork work = node_work();
   require_room(*this, psi_, 0, work);
 }
@@ -108,12 +115,8 @@ ContactPairs::Gaps ContactPairs::gaps() const {
   std::vector<Obstacle::Place> place;
   for (const Obstacle& shape : shapes_)
     place.push_back(shape.place(0));
-  const bool varies = std::ranges::any_of(
-      friction_, [](const auto& coefficient) { return coefficient && coefficient->depends_on_time(); });
-  return {.psi = std::vector<double>(moving() ? psi_.size() : 0),
-          .place = std::move(place),
-          .node = node_work(),
-          .friction = std::vector<double>(varies ? psi_.size() : 0)};
+  return {
+      .psi = std::vector<double>(moving() ? psi_.size() : 0), .place = std::move(place), .node = node_work()};
 }
 
 std::vector<ContactPairs::BoundaryNode>
@@ -216,7 +219,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     for (const ConstraintRows::Entry& entry : group.entries)
       normals_.push_back(entry.coefficient);
     if (friction_[obstacle]) {
-      group.law = &coulomb;
+      group.law = contacts[obstacle].bound ? static_cast<const Law*>(&tresca) : &coulomb;
       add_tangents(node, group);
     }
     groups.push_back(std::move(group));
@@ -239,8 +242,8 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   rows_.emplace(comm_, groups, space.first_dof(), end);
   if (rows_->symmetric())
     return;
-  coefficients_.resize(psi_.size());
-  evaluate_friction(0, coefficients_);
+  at_start_.resize(psi_.size());
+  evaluate_friction(0, at_start_);
   on_all_ranks(comm_, [&] {
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)

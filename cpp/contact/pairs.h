@@ -55,16 +55,16 @@ public:
     std::vector<double> psi;            ///< gaps (m entries), in metres; empty if no obstacle moves
     std::vector<Obstacle::Place> place; ///< position and size of each obstacle
     NodeWork node;
-    std::vector<double> friction; ///< coefficients of friction (m entries); empty unless one varies in time
   };
   [[nodiscard]] Gaps gaps() const;
   /// Gaps ψ_i of the undeformed body at time t (s), in metres (m entries). If an obstacle moves, the result
   /// is stored in `gaps`, and the span refers to it. Throws UserError if no position of a node satisfies the
   /// constraints of all its obstacles. Collective.
   [[nodiscard]] std::span<const double> psi(double t, Gaps& gaps) const;
-  /// Coefficients of friction of the pairs at time t (s), m entries; empty if no obstacle has friction.
-  /// Throws UserError if one is negative or not finite.
-  [[nodiscard]] std::span<const double> friction(double t, Gaps& gaps) const;
+  /// Sets `friction` (m entries) as ContactState::friction for a step that ends at time t (s): coefficients
+  /// of Coulomb friction, and `impulse` (τ²/2) times the bounds of nodal forces in Tresca friction, which are
+  /// tractions times ∫ φ_i. Throws UserError if one is negative or not finite.
+  void friction(double t, double impulse, std::vector<double>& friction) const;
   /// Sets `way` (rows) to the ways ds of the obstacles along the tangents from time t0 to t1 (s), m: those of
   /// their motion, and those of their surface velocity in the middle of the step. Normal rows become zero.
   void obstacle_ways(double t0, double t1, std::span<double> way) const;
@@ -147,8 +147,11 @@ private:
   /// Adds the tangential rows of a pair whose normal row `group` has. Components that are clamped as a whole
   /// are left out. Throws UserError if a clamp holds a tangent in part.
   void add_tangents(const BoundaryNode& node, ConstraintRows::Group& group) const;
-  /// Sets `mu` (m entries) to the coefficients of friction at time t (s), zero without friction.
-  void evaluate_friction(double t, std::span<double> mu) const;
+  /// Sets `values` (m entries) to the coefficients of friction or the bounds of tractions at time t (s), zero
+  /// without friction.
+  void evaluate_friction(double t, std::span<double> values) const;
+  /// Sets tresca_areas_. Collective.
+  void set_tresca_areas(const fem::Space& space, const std::vector<scene::Contact>& contacts);
   void add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                  const fem::DirichletDofs& clamped, const scene::Time& time);
   /// Time at which the direction of each node's pair is computed, s.
@@ -161,9 +164,12 @@ private:
   std::vector<std::string> keys_;
   std::vector<bool> project_; ///< for each obstacle: whether contact.initial moves nodes out of it
   std::vector<Obstacle> shapes_;
-  /// Coefficient of friction and surface velocity of each obstacle; absent without friction or motion.
+  /// Coefficient or bound of friction, and surface velocity, of each obstacle; absent without friction or
+  /// motion.
   std::vector<std::optional<scene::Field>> friction_, surface_velocity_;
-  std::vector<double> coefficients_; ///< of friction at t = 0 (m entries); empty without friction
+  std::vector<double> at_start_;     ///< evaluate_friction() at t = 0 (m entries); empty without friction
+  std::vector<double> tresca_areas_; ///< ∫ φ_i of pairs with Tresca friction, else 0; empty without it
+  bool friction_varies_ = false;     ///< whether friction depends on t
   std::vector<std::size_t> moving_;  ///< numbers of the obstacles that move
   std::vector<std::vector<PetscInt>> clamped_dofs_;
   std::vector<double> points_, normals_, psi_;

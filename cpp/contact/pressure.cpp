@@ -74,18 +74,21 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
 
 } // namespace
 
+std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pairs,
+                                const std::vector<scene::Contact>& contacts) {
+  std::vector<double> areas(static_cast<std::size_t>(pairs.count()), 0.0);
+  for (int i = 0; i < pairs.obstacle_count(); ++i)
+    std::ranges::transform(areas, shares(space, pairs, contacts[i].on, i), areas.begin(), std::plus<>());
+  MPI_Allreduce(MPI_IN_PLACE, areas.data(), static_cast<int>(areas.size()), MPI_DOUBLE, MPI_SUM,
+                space.comm());
+  return areas;
+}
+
 Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
                    const std::vector<scene::Contact>& contacts)
-    : area_(static_cast<std::size_t>(pairs.count()), 0.0) {
-  for (int i = 0; i < pairs.obstacle_count(); ++i) {
-    const std::string& group = contacts[i].on;
-    const std::vector<double> own = shares(space, pairs, group, i);
-    std::ranges::transform(area_, own, area_.begin(), std::plus<>());
-    if (space.degree() > 1)
-      add_edges(space, pairs, group, i);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM,
-                space.comm());
+    : area_(nodal_areas(space, pairs, contacts)) {
+  for (int i = 0; i < pairs.obstacle_count() && space.degree() > 1; ++i)
+    add_edges(space, pairs, contacts[i].on, i);
   gather_at_vertices(area_);
   if (space.degree() > 1)
     clear_areas_off_edges();

@@ -6,6 +6,11 @@
 
 namespace signorini::contact {
 
+/// Returns ∫ φ_i over its obstacle's contact surface for each candidate (m entries), in m in the plane and m²
+/// in space. Collective.
+[[nodiscard]] std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pairs,
+                                              const std::vector<scene::Contact>& contacts);
+
 /// Computes the contact pressure p from the nodal contact forces F_i = ∫ p φ_i of the candidates
 /// (docs/method.md section 2).
 ///

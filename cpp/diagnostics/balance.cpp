@@ -341,7 +341,7 @@ double Invariants::friction_defect(const contact::ContactState& state, double un
     if (rows.size(i) == 1)
       continue;
     const std::array<double, 3> rho = rows.of_group(i, state.lambda), U = rows.of_group(i, state.gap);
-    const double bound = state.friction_of(static_cast<std::size_t>(i)) * rho[0] / unit,
+    const double bound = rows.law(i).bound(state.friction_of(static_cast<std::size_t>(i)), rho[0]) / unit,
                  force = std::hypot(rho[1], rho[2]) / unit, slip = std::hypot(U[1], U[2]),
                  work = (rho[1] * U[1] + rho[2] * U[2]) / unit;
     worst = worst_of(worst, part(force - bound, scale));

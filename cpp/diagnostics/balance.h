@@ -118,7 +118,7 @@ public:
   void observe(const trajectory::Frame& frame, const StepBalance& balance);
 
   /// Returns the defects of energy law and momentum law; with contact also those of penetration, adhesion and
-  /// complementarity, with friction that of Coulomb's law.
+  /// complementarity, with friction that of the friction law.
   [[nodiscard]] std::span<const Defect> defects() const {
     return {defects_.data(), stepper_.frictional() ? defects_.size() : stepper_.pairs() ? 5 : 2};
   }
@@ -136,8 +136,8 @@ public:
   [[nodiscard]] double largest_energy() const { return energy_; }
 
 private:
-  /// Returns the defect of Coulomb's law: the largest friction force above μ times the normal force, and the
-  /// largest difference of the friction's work from −μ times normal force times slip; `scale`: N.
+  /// Returns the defect of the friction law: the largest friction force above its bound, and the largest
+  /// difference of the friction's work from −bound times slip; `scale`: N.
   [[nodiscard]] double friction_defect(const contact::ContactState& state, double unit, double scale) const;
 
   const step::Stepper& stepper_;

@@ -201,16 +201,17 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
 
 Alternations alternations(const std::vector<contact::ContactLinearisation>& contact) {
   Alternations found;
-  for (std::size_t k = 1; k < contact.size(); ++k) {
-    const auto has = [&](std::size_t step, int i) {
-      return std::ranges::binary_search(contact[step].active, i);
-    };
-    found.closed += static_cast<int>(contact[k].active.size());
-    if (k == 1 || k + 1 == contact.size())
+  std::vector<contact::ActiveSet> closed;
+  for (const contact::ContactLinearisation& step : contact)
+    closed.push_back(step.closed());
+  for (std::size_t k = 1; k < closed.size(); ++k) {
+    const auto has = [&](std::size_t step, int i) { return std::ranges::binary_search(closed[step], i); };
+    found.closed += static_cast<int>(closed[k].size());
+    if (k == 1 || k + 1 == closed.size())
       continue;
-    for (int i : contact[k].active)
+    for (int i : closed[k])
       found.alternating += !has(k - 1, i) && !has(k + 1, i);
-    for (int i : contact[k - 1].active)
+    for (int i : closed[k - 1])
       found.alternating += !has(k, i) && has(k + 1, i);
   }
   return found;

@@ -120,7 +120,7 @@ io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussN
     const scene::Unknown& unknown = scene.unknowns[j];
     fit.unknowns.push_back({.name = unknown.name,
                             .quantity = scene::name(unknown.of),
-                            .unit = scene::unit(unknown),
+                            .unit = scene::unit(scene, unknown),
                             .scale = scene::name(unknown.scale),
                             .value = theta[j],
                             .start = unknown.start,

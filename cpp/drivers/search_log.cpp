@@ -11,14 +11,15 @@ namespace signorini::drivers {
 io::Kink describe(control::ReducedProblem& reduced,
                   const optimize::Certificate<control::Variables>& certificate) {
   const auto sweeps = reduced.sweeps();
-  using Where = std::pair<int, int>;                              // step, candidate
-  std::map<Where, std::map<contact::Motion, std::size_t>> closed; // number of points where it moves so
+  using Where = std::pair<int, int>;                  // step, candidate
+  using How = std::pair<bool, contact::Motion>;       // whether it touches, and its motion
+  std::map<Where, std::map<How, std::size_t>> closed; // number of points where it moves so
   for (const auto& point : certificate.points) {
     reduced.simulate(*point);
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
       for (std::size_t j = 0; j < contact[k].active.size(); ++j)
-        ++closed[{static_cast<int>(k), contact[k].active[j]}][contact[k].motion(j)];
+        ++closed[{static_cast<int>(k), contact[k].active[j]}][{contact[k].closed(j), contact[k].motion(j)}];
   }
   reduced.restore_sweeps(sweeps);
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()), {}};

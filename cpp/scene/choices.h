@@ -41,10 +41,10 @@ constexpr Names<3> names(StepQuantity) { return {"displacement", "contact-force"
 enum class Component { x, y, z };
 constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 
-/// Mass of the candidates' nodes along the contact normal ν (docs/method.md section 2). consistent:
-/// unchanged; massless: moved to neighbouring nodes.
-enum class ContactMass { consistent, massless };
-constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
+/// Mass of the candidates' nodes (docs/method.md section 2). consistent: unchanged; massless: moved to
+/// neighbouring nodes along the contact normal ν; massless_tangential: moved along the tangents.
+enum class ContactMass { consistent, massless, massless_tangential };
+constexpr Names<3> names(ContactMass) { return {"consistent", "massless", "massless-tangential"}; }
 
 /// Treatment of contact in the time stepping (docs/method.md section 2), from the keys time.scheme and
 /// contact.mass. mixed: contact-implicit steps in which the candidates of some, but not all, obstacles have

@@ -171,9 +171,11 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::radius:
     round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).radius = Expression(value);
     return;
-  case Parameter::friction:
-    scene.contacts[contact_of(scene, unknown)].friction = Expression(value);
+  case Parameter::friction: {
+    Contact& contact = scene.contacts[contact_of(scene, unknown)];
+    (contact.bound ? contact.bound->traction : contact.friction) = Expression(value);
     return;
+  }
   case Parameter::surface_velocity:
     multiply(scene.contacts[contact_of(scene, unknown)].surface_velocity.value(), value);
     return;
@@ -196,7 +198,7 @@ double& number_of(Branch& branch, Parameter of) {
   return of == Parameter::prony_g ? branch.g : of == Parameter::prony_k ? branch.k : branch.time;
 }
 
-std::string unit(const Unknown& unknown) {
+std::string unit(const Scene& scene, const Unknown& unknown) {
   switch (unknown.of) {
   case Parameter::young:
     return "Pa";
@@ -226,10 +228,11 @@ std::string unit(const Unknown& unknown) {
     return "m";
   case Parameter::angle:
     return "rad";
+  case Parameter::friction:
+    return scene.contacts[contact_of(scene, unknown)].bound ? "Pa" : "";
   case Parameter::poisson:
   case Parameter::prony_g:
   case Parameter::prony_k:
-  case Parameter::friction:
   case Parameter::surface_velocity:
   case Parameter::body:
   case Parameter::gravity:
@@ -339,8 +342,10 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
     Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
     return constant(round_parts(shape).radius);
   }
-  case Parameter::friction:
-    return constant(scene.contacts[contact_of(scene, unknown)].friction);
+  case Parameter::friction: {
+    const Contact& contact = scene.contacts[contact_of(scene, unknown)];
+    return constant(contact.bound ? contact.bound->traction : contact.friction);
+  }
   case Parameter::surface_velocity:
   case Parameter::body:
   case Parameter::gravity:

@@ -11,7 +11,7 @@
 namespace signorini::scene {
 
 /// SI unit of an unknown; empty for a number without unit.
-std::string unit(const Unknown& unknown);
+std::string unit(const Scene& scene, const Unknown& unknown);
 
 /// Physical limits of a parameter, such as those of a density, which is positive.
 Limits natural_limits(Parameter of);

@@ -18,10 +18,6 @@ struct Refusal {
 /// Table of all effects outside the model.
 const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
-      {"Tresca friction",
-       "the bound of friction is Coulomb's, contact.friction times the normal force",
-       {"tresca"},
-       {"contact.bound", "contact.friction.bound", "contact.friction.stress", "contact.friction.traction"}},
       {"contact between bodies",
        "a scene has one deformable body, obstacles are rigid",
        {"slave", "master", "against", "self", "bodies", "tie"},
@@ -95,6 +91,10 @@ const std::vector<Synonym>& synonyms() {
        {"contact.friction.coefficient", "contact.friction.value", "contact.friction.static",
         "contact.friction.kinetic", "contact.friction.dynamic"},
        "contact.friction"},
+      {"give Tresca friction as contact.friction = { bound = \"2e5\" }, the largest tangential traction in "
+       "Pa",
+       {"tresca"},
+       {"contact.bound", "contact.friction.stress", "contact.friction.traction"}},
       {"give the motion of a belt or of a roller's surface as contact.obstacle.surface_velocity in m/s",
        {"belt", "conveyor", "spin"},
        {"contact.surface_velocity", "contact.obstacle.angular_velocity", "contact.obstacle.omega",

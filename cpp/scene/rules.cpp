@@ -90,6 +90,14 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", whose projection needs the "
                     "mass of contact nodes; set mass to \"consistent\"");
+  if (contact.mass == ContactMass::massless_tangential) {
+    if (scene.time.scheme != TimeScheme::contact_stabilized)
+      in.fail("mass", "found \"massless-tangential\" with time.scheme \"contact-implicit\", whose normal "
+                      "forces alternate too; set time.scheme to \"contact-stabilized\"");
+    if (!contact.frictional())
+      in.fail("mass", "found \"massless-tangential\" without friction, where nothing acts along the "
+                      "obstacle; give contact.friction");
+  }
   if (contact.frictional() && scene.time.automatic())
     in.fail("friction",
             "found together with time.step = \"auto\", whose error estimates do not include slip; "

@@ -60,6 +60,11 @@ struct SignedDistance {
 
 using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 
+/// Table contact.friction of Tresca friction.
+struct FrictionBound {
+  Expression traction = 0; ///< largest tangential traction, Pa, as an expression in x, y, z, t
+};
+
 /// Table [contact], or one of [[contact]].
 struct Contact {
   std::string on; ///< physical group of the contact candidates
@@ -67,15 +72,18 @@ struct Contact {
   std::string name; ///< name of the obstacle in tables, unique
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
-  Expression friction = 0; ///< coefficient μ of Coulomb friction, as an expression in x, y, z, t
+  Expression friction = 0;            ///< coefficient μ of Coulomb friction, as an expression in x, y, z, t
+  std::optional<FrictionBound> bound; ///< of Tresca friction, in place of Coulomb friction
   /// Velocity of the obstacle's material along its surface, in addition to that of its motion, m/s, as
   /// expressions in x, y, z, t; its normal part has no effect.
   std::optional<Components> surface_velocity;
 
   /// Whether the candidates of this obstacle have no mass along the contact normal.
   [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
+  /// Whether candidates of this obstacle have no mass in some direction.
+  [[nodiscard]] bool loses_mass() const { return mass != ContactMass::consistent; }
   /// Whether the obstacle has friction.
-  [[nodiscard]] bool frictional() const { return friction != Expression(0); }
+  [[nodiscard]] bool frictional() const { return bound || friction != Expression(0); }
 };
 
 /// One table [[load.traction]].

@@ -264,16 +264,40 @@ Key<Contact> obstacle() {
 
 } // namespace
 
+namespace {
+
+/// Makes the two keys named `friction`: one with a coefficient, one with a table that has a bound.
+std::array<Key<Contact>, 2> friction() {
+  Key<Contact> coefficient =
+      value("friction", &Contact::friction, Coefficient{{not_negative}}, "",
+            "coefficient of Coulomb friction between the body and the obstacle", {.effect = "friction"},
+            [](const Contact& contact) { return !contact.bound; });
+  return value_or_table(std::move(coefficient), inline_table("friction", &Contact::bound, {}));
+}
+
+} // namespace
+
+Keys<FrictionBound> keys_of(Of<FrictionBound>) {
+  return {
+      required("bound", &FrictionBound::traction, Coefficient{{not_negative}}, "Pa",
+               "in place of a coefficient: largest tangential traction of Tresca friction. It acts on the "
+               "whole group `contact.on`, whether or not it touches the obstacle",
+               {.effect = "friction"})};
+}
+
 Keys<Contact> keys_of(Of<Contact>) {
+  const auto [coefficient, bound] = friction();
   return {required("on", &Contact::on, Text{}, "",
                    "group of the boundary whose nodes are the contact candidates", {.effect = "contact"}),
           obstacle(),
           value("mass", &Contact::mass, Choice<ContactMass>{}, "",
                 "`\"massless\"`: candidates that face the obstacle have no mass in the normal direction; "
-                "their neighbours take this mass. Not with `\"contact-stabilized\"`",
+                "their neighbours take this mass. Not with `\"contact-stabilized\"`. "
+                "`\"massless-tangential\"`: they have no mass along the obstacle, which smooths friction "
+                "forces; only with friction and `\"contact-stabilized\"`",
                 {.effect = "massless contact"}),
-          value("friction", &Contact::friction, Coefficient{{not_negative}}, "",
-                "coefficient of Coulomb friction between the body and the obstacle", {.effect = "friction"}),
+          coefficient,
+          bound,
           value("initial", &Contact::initial, Choice<ContactStart>{}, "",
                 "`\"project\"`: nodes that start inside the obstacle are moved out by the shortest path")};
 }
@@ -333,22 +357,11 @@ namespace {
 /// Makes the two keys named `initial` for a control's first guess: one with expressions, one with a table
 /// that names a run.
 std::array<Key<Control>, 2> first_guess() {
-  Key<Control> given =
-      value("initial", &Control::initial, ControlField{}, "",
-            "first guess of `optimize` and control of `simulate`, clipped to the bounds; expressions must "
-            "not contain t if the control is constant in time",
-            {.otherwise = "`[\"0\", \"0\"]`"});
-  Key<Control> stored = inline_table("initial", &Control::stored, {});
-  given.read = [read = given.read](Reader& in, Control& to, const Scene& scene) {
-    if (!in.is_table("initial"))
-      read(in, to, scene);
-  };
-  stored.read = [read = stored.read](Reader& in, Control& to, const Scene& scene) {
-    if (in.is_table("initial"))
-      read(in, to, scene);
-  };
-  stored.json = {{"anyOf", {given.json, stored.json}}};
-  return {given, stored};
+  return value_or_table(value("initial", &Control::initial, ControlField{}, "",
+                              "first guess of `optimize` and control of `simulate`, clipped to the bounds; "
+                              "expressions must not contain t if the control is constant in time",
+                              {.otherwise = "`[\"0\", \"0\"]`"}),
+                        inline_table("initial", &Control::stored, {}));
 }
 
 } // namespace

@@ -174,6 +174,22 @@ Key<T> inline_table(const char* name, M T::* member, const KeyInfo& info) {
   return key;
 }
 
+/// Joins two keys of one name, of which the second has a table: each reads only its own kind of value.
+template <class T>
+std::array<Key<T>, 2> value_or_table(Key<T> value, Key<T> table) {
+  const std::string name = value.name;
+  value.read = [=, read = value.read](Reader& in, T& to, const Scene& scene) {
+    if (!in.is_table(name))
+      read(in, to, scene);
+  };
+  table.read = [=, read = table.read](Reader& in, T& to, const Scene& scene) {
+    if (in.is_table(name))
+      read(in, to, scene);
+  };
+  table.json = {{"anyOf", {value.json, table.json}}};
+  return {std::move(value), std::move(table)};
+}
+
 /// Makes a key with a table that is written under a heading. `written`: predicate whether to write the key;
 /// null: always.
 template <class T, class M>

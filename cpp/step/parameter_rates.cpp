@@ -20,8 +20,8 @@ struct ParameterRates::Rate {
   std::optional<ForceAtStep> force; ///< evaluates `load` at a step
   std::optional<contact::ContactPairs::Rates> pairs;
   int obstacle = 0;
-  bool friction = false;  ///< whether the coefficient of friction of `obstacle` is unknown
-  double coefficient = 0; ///< value of this coefficient
+  bool friction = false;                        ///< whether the friction of `obstacle` is unknown
+  double coefficient = 0;                       ///< value of its coefficient or bound
   std::optional<scene::Field> surface_velocity; ///< derivative of that of `obstacle`
   scene::ObstacleRate obstacle_rate;
   petsc::Vector y0, v0;
@@ -152,9 +152,9 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
   default: {
     petsc::Matrix M = assembled(fem::Form::m_rho);
     set_damping(rayleigh.alpha, M);
-    if (scene::has_massless_candidates(stepper_.contact_scheme()))
-      M = contact::redistributed_mass(stepper_.space(), *stepper_.pairs(),
-                                      contact::obstacles_without_mass(scene.contacts), M);
+    if (std::ranges::any_of(scene.contacts, &scene::Contact::loses_mass))
+      M = contact::redistributed_mass(
+          contact::velocity_extrapolation(stepper_.space(), *stepper_.pairs(), scene.contacts, M), M);
     rate.M = symmetric_half(M);
     add_gravity(scene, rate);
   }
@@ -200,7 +200,7 @@ petsc::Matrix ParameterRates::redistributed_mass_rate(const scene::Scene& scene,
       const contact::ContactPairs pairs(stepper_.space(), stepper_.clamped(),
                                         scene::with_values(scene, beside).contacts, scene.time);
       const petsc::Matrix moved = contact::redistributed_mass(
-          stepper_.space(), pairs, contact::obstacles_without_mass(scene.contacts), M);
+          contact::velocity_extrapolation(stepper_.space(), pairs, scene.contacts, M), M);
       check(MatAXPY(rate, side * weights[i] / h, moved, DIFFERENT_NONZERO_PATTERN));
     }
   return symmetric_half(rate);
@@ -227,6 +227,8 @@ void ParameterRates::add_initial(const scene::Scene& scene, const scene::Unknown
   x = stepper_.space().vector();
   stepper_.space().interpolate({field, velocity ? "initial.velocity" : "initial.displacement", false}, 0, x);
   stepper_.clamped().clear(x);
+  if (velocity)
+    stepper_.extrapolate(x, work_);
 }
 
 void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
@@ -369,7 +371,7 @@ bool ParameterRates::law(std::size_t j, std::span<double> c) const {
     const int i = contact.active[n];
     const std::size_t k = pairs.rows().size(i);
     if (pairs.obstacles()[i] == rate.obstacle &&
-        contact.equations[n].motion == contact::Motion::slips) // σ = μ λ d: by μ, λ d
+        contact.equations[n].motion == contact::Motion::slips) // σ = s d, s proportional to the unknown
       for (std::size_t row = 1; row < k; ++row)
         for (std::size_t other = 1; other < k; ++other)
           c[pairs.rows().row(i, row)] +=

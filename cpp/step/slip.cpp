@@ -10,9 +10,12 @@ namespace signorini::step {
 using petsc::check;
 
 std::string Stepper::described(const contact::LawFailure& failure) const {
-  return fmt::format("{}, at the node at {} with the coefficient of friction {:.4g}{}", failure.what(),
-                     point_text(&pairs_->points()[3 * static_cast<std::size_t>(failure.group)]),
-                     failure.friction,
+  const std::string where =
+      fmt::format("{}, at the node at {}", failure.what(),
+                  point_text(&pairs_->points()[3 * static_cast<std::size_t>(failure.group)]));
+  if (pairs_->rows().law(failure.group).acts_open()) // whose solution is unique
+    return where + "; shorten the steps";
+  return fmt::format("{} with the coefficient of friction {:.4g}{}", where, failure.friction,
                      failure.friction < failure.critical
                          ? "; shorten the steps"
                          : fmt::format(". From {:.4g} on several forces are possible there, or none can be "

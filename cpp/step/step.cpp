@@ -15,8 +15,7 @@ namespace signorini::step {
 using petsc::check;
 
 namespace {
-long &steps = count("steps"), &linearised_steps = count("linearised steps"),
-     &adjoint_steps = count("adjoint steps");
+long &steps = count("steps"), &linearised_steps = count("linearised steps");
 
 /// Returns the least time in which a pressure wave crosses an element, s, over the elements at contact groups
 /// and at tractions that vary in time; over all elements if body loads or forces at points vary or the scene
@@ -61,14 +60,10 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
   const double solves = step_lengths_ ? 0 : needs.passes * scene.time.steps;
-  if (scene::has_massless_candidates(contact_scheme_))
+  if (std::ranges::any_of(scene.contacts, &scene::Contact::loses_mass))
     move_mass(scene);
-  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized) {
-    if (frictional()) // the predictor is projected along normals only
-      smooth_pairs_.emplace(space, clamped_, contact::without_friction(scene.contacts), scene.time);
-    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_,
-                       smooth_pairs_ ? *smooth_pairs_ : *pairs_, solver, needs.derivatives, solves);
-  }
+  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
+    add_predictor(scene, solver, needs.derivatives, solves);
   if (MovingClamps::in(scene.clamps))
     moving_clamps_.emplace(space, scene.clamps);
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
@@ -86,14 +81,35 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
 
 void Stepper::move_mass(const scene::Scene& scene) {
   mass_blocks_ = fem::assemble_mass(space_, scene.materials);
-  redistributed_blocks_ = contact::redistributed_mass(
-      space_, *pairs_, contact::obstacles_without_mass(scene.contacts), mass_blocks_);
+  petsc::Matrix E = contact::velocity_extrapolation(space_, *pairs_, scene.contacts, mass_blocks_);
+  redistributed_blocks_ = contact::redistributed_mass(E, mass_blocks_);
   redistributed_mass_ = symmetric_half(redistributed_blocks_);
+  if (contact_scheme_ == scene::ContactScheme::contact_stabilized)
+    velocity_extrapolation_ = std::move(E);
 }
 
-double Stepper::scheme_bytes() const {
+void Stepper::add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives,
+                            double solves) {
+  if (frictional()) // the predictor is projected along normals only
+    smooth_pairs_.emplace(space_, clamped_, contact::without_friction(scene.contacts), scene.time);
+  petsc::Matrix blocks;
+  if (velocity_extrapolation_) {
+    check(MatDuplicate(redistributed_blocks_, MAT_COPY_VALUES, blocks.put()));
+    contact::add_removed_mass(velocity_extrapolation_, mass_blocks_, blocks);
+    predictor_mass_ = symmetric_half(blocks);
+  } else
+    blocks = fem::assemble_mass(space_, scene.materials);
+  predictor_.emplace(std::move(blocks), predictor_mass_ ? predictor_mass_ : operators_.M, clamped_,
+                     smooth_pairs_ ? *smooth_pairs_ : *pairs_, solver, derivatives, solves);
+}
+
+double Stepper::predictor_bytes() const {
+  return (predictor_ ? predictor_->bytes() : 0) + (predictor_mass_ ? petsc::bytes(predictor_mass_) : 0);
+}
+
+double Stepper::redistribution_bytes() const {
   return (redistributed_mass_ ? petsc::bytes(redistributed_mass_) : 0) +
-         (predictor_ ? predictor_->bytes() : 0);
+         (velocity_extrapolation_ ? petsc::bytes(velocity_extrapolation_) : 0);
 }
 
 Stepper::Workspace Stepper::workspace() const {
@@ -159,28 +175,6 @@ void Stepper::set_branches(const Scheme& scheme, const State& from, const State&
   }
 }
 
-void Stepper::add_branch_duals(const AdjointStep& step, bool start, Workspace& work) const {
-  if (!operators_.relaxation)
-    return;
-  const fem::Relaxation& relaxation = *operators_.relaxation;
-  const Scheme later = step.next->scheme;
-  const auto of_later = [&](std::size_t j) {
-    return scene::branch_step(later.tau, relaxation.branches()[j].time);
-  };
-  // c_j z_j,k − c_j' z_j,k+1 with z_j,k = decay_j' z_j,k+1 − impulse() c_j' p_{k+1}, in one product
-  for (std::size_t j = 0; j < branches(); ++j) {
-    const double time = relaxation.branches()[j].time,
-                 gain = start ? 0 : scene::branch_step(step.step.scheme.tau, time).gain;
-    work.weights[j] = gain * of_later(j).decay - of_later(j).gain;
-    work.weights_p[j] = -gain * later.impulse() * of_later(j).gain;
-  }
-  relaxation.add({work.weights, step.state.z, work.weights_p, step.state.p_next}, work.r, work.of_branches);
-  clamped_.clear(work.r);
-  for (std::size_t j = 0; j < branches(); ++j)
-    check(
-        VecAXPBY(step.state.z[j], -later.impulse() * of_later(j).gain, of_later(j).decay, step.state.p_next));
-}
-
 namespace {
 
 /// Returns x + c jump, stored in `work`; x itself if `jump` is null.
@@ -197,8 +191,17 @@ Vec predicted(const Scheme& scheme, const State& from, Vec work) {
   return work;
 }
 
-/// Sets the velocity v = rate() (y_k − y_{k−1} − j) − v_{k−1} after a step, rate() = 2/τ (4.22).
-void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
+} // namespace
+
+void Stepper::extrapolate(Vec v, Vec work) const {
+  if (!velocity_extrapolation_)
+    return;
+  check(MatMult(velocity_extrapolation_, v, work));
+  check(VecCopy(work, v));
+}
+
+void Stepper::set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to,
+                           Workspace& work) const {
   const double rate = scheme.rate();
   {
     const petsc::ReadArray before(from.y()), after(to.y()), velocity(from.v());
@@ -208,9 +211,8 @@ void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State
   }
   if (jump)
     check(VecAXPY(to.v(), -rate, jump));
+  extrapolate(to.v(), work.moved);
 }
-
-} // namespace
 
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = in.step.scheme();
@@ -234,8 +236,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   if (frictional()) {
     set_slip_gaps(in, psi, work);
     psi = work.slip_gaps;
-    const std::span<const double> friction = pairs_->friction(in.step.end, *work.gaps);
-    out.contact.friction.assign(friction.begin(), friction.end());
+    pairs_->friction(in.step.end, scheme.impulse(), out.contact.friction);
     pairs_->rows().spread(in.previous, work.mu);
   }
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
@@ -247,7 +248,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     }
   } else
     with.solver->linear().solve(work.r, out.to.y());
-  set_velocity(scheme, in.from, jump, out.to); // (4.22)
+  set_velocity(scheme, in.from, jump, out.to, work); // (4.22)
   set_branches(scheme, in.from, out.to);
   if (moving_clamps_)
     moving_clamps_->copy(work.moving_clamps->velocity, out.to.v());
@@ -334,7 +335,7 @@ void Stepper::linearised_step(const LinearisedStep& step, const contact::Contact
   const Vec jump = linearised_right_hand_side(step, contact, work);
   solve_on_active_set(step.scheme.tau, Direction::linearised, contact,
                       with_slip(step.normal, step.from, work), step.to.y(), step.multipliers, work, step.law);
-  set_velocity(step.scheme, step.from, jump, step.to);
+  set_velocity(step.scheme, step.from, jump, step.to, work);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
 }
@@ -348,66 +349,9 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
     solve_one_sided_slip(step, contact, work);
   else
     solve_one_sided(step.scheme, contact, step.to.y(), work);
-  set_velocity(step.scheme, step.from, jump, step.to);
+  set_velocity(step.scheme, step.from, jump, step.to, work);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
-}
-
-Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const {
-  if (!step.next) {                                // p_{N+1} and ω_{N+1} are zero
-    assemble(step.derivative, operators_, work.r); // (4.40): r = ∂J/∂y_N
-    clamped_.clear(work.r);
-    return nullptr;
-  }
-  const Scheme later = step.next->scheme;
-  Vec jump = nullptr;
-  if (predictor_ && !step.next->contact.predictor.empty()) {
-    // j = Π_{k+1} s − s, s = p_{k+1} − 2/τ_{k+1} ω_{k+1}
-    check(VecWAXPY(work.work, -later.rate(), step.state.omega, step.state.p_next));
-    jump =
-        predictor_->linearised_jump(step.next->contact.predictor, work.work, *work.predictor, step.predictor);
-  }
-  {
-    const petsc::ReadArray p(step.state.p_next);
-    const petsc::WriteArray omega(step.state.omega), momentum(work.moved);
-    const double later_rate = later.rate();
-    // ω_k = τ_{k+1} p_{k+1} − ω_{k+1}; momentum: 2/τ_k ω_k − 2/τ_{k+1} ω_{k+1}
-    for (std::size_t i = 0; i < omega.size(); ++i) {
-      const double before = later.tau * p[i] - omega[i];
-      momentum[i] = rate * before - later_rate * omega[i];
-      omega[i] = before;
-    }
-  }
-  if (jump) { // ω_k += τ_{k+1} j; momentum += (2/τ_k τ_{k+1} + 1) j
-    check(VecAXPY(step.state.omega, later.tau, jump));
-    check(VecAXPY(work.moved, rate * later.tau + 1, jump));
-  }
-  // (4.41): r = R_{k+1} p_{k+1} + M momentum + ∂J/∂y_k
-  right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
-  add_branch_duals(step, rate == 0, work);
-  if (step.state.slip)
-    check(VecAXPY(work.r, 1, step.state.slip));
-  return jump;
-}
-
-Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
-  const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
-  // D_k p_k + N μ_k = r, p_k·ν_i = 0 for i in A_k
-  const std::span<double> mu =
-      step.multipliers.empty() && step.state.slip ? std::span<double>(work.mu) : step.multipliers;
-  solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
-                      step.state.p, mu, work, {}, step.law_duals);
-  if (step.state.slip)
-    set_slip_dual(mu, step.state.slip, work);
-  ++adjoint_steps;
-  return jump;
-}
-
-Vec Stepper::adjoint_start(const AdjointStep& step, Workspace& work) const {
-  constexpr double no_step = 0;
-  const Vec jump = transposed_right_hand_side(step, no_step, work);
-  check(VecCopy(work.r, step.state.p));
-  return jump;
 }
 
 } // namespace signorini::step

@@ -151,9 +151,14 @@ public:
   /// Total time of the factorisations, s.
   [[nodiscard]] double factorisation_seconds() const { return lengths_->factorisation_seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
-  /// Returns the mass matrix M of this run: the body's or, with massless contact, EᵀME (docs/method.md
+  /// Returns the mass matrix M of this run: the body's or, if contact nodes lose mass, EᵀME (docs/method.md
   /// section 2).
   [[nodiscard]] Mat M() const { return redistributed_mass_ ? redistributed_mass_ : operators_.M; }
+  /// Returns the extrapolation E of velocities to contact nodes if it acts on states, which it does where
+  /// contact nodes have no tangential mass; else null.
+  [[nodiscard]] Mat velocity_extrapolation() const { return velocity_extrapolation_; }
+  /// Replaces the velocity v by E v if velocity_extrapolation() is not null. `work`: scratch. Collective.
+  void extrapolate(Vec v, Vec work) const;
   /// Returns the projection of the predictor; null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Returns the moving clamps; null if no clamp moves.
@@ -189,9 +194,10 @@ public:
   /// Whether candidates have friction.
   [[nodiscard]] bool frictional() const { return pairs_ && !pairs_->rows().symmetric(); }
 
-  /// Returns the memory that the contact scheme needs in addition to that of contact-implicit stepping, on
-  /// all ranks, bytes. Collective.
-  [[nodiscard]] double scheme_bytes() const;
+  /// Returns the memory of the predictor's projection on all ranks, bytes. Collective.
+  [[nodiscard]] double predictor_bytes() const;
+  /// Returns the memory of the redistributed mass on all ranks, bytes. Collective.
+  [[nodiscard]] double redistribution_bytes() const;
 
   /// Scratch of steps, for one step at a time. No step depends on the content that an earlier step left.
   struct Workspace {
@@ -236,8 +242,13 @@ public:
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
-  /// Moves the mass of massless contact nodes to other nodes, and sets redistributed_mass_.
+  /// Moves mass of contact nodes to other nodes, and sets redistributed_mass_.
   void move_mass(const scene::Scene& scene);
+  /// Sets up the projection of the predictor.
+  void add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives, double solves);
+  /// Sets the velocity v = rate() (y_k − y_{k−1} − j) − v_{k−1} after a step (4.22), or E v.
+  void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to,
+                    Workspace& work) const;
   /// Sets work.r = R x + a M z + b source on the free dofs and zero on the clamped ones, for steps and
   /// transposed steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
@@ -296,8 +307,10 @@ private:
   std::optional<MovingClamps> moving_clamps_;
   std::optional<contact::ContactPairs> pairs_;
   std::optional<contact::ContactPairs>
-      smooth_pairs_;                 ///< pairs_ without friction, for the predictor; else absent
-  petsc::Matrix redistributed_mass_; ///< symmetric half of EᵀME; null unless contact is massless
+      smooth_pairs_;                     ///< pairs_ without friction, for the predictor; else absent
+  petsc::Matrix redistributed_mass_;     ///< symmetric half of EᵀME; null if all contact nodes have mass
+  petsc::Matrix velocity_extrapolation_; ///< E if contact nodes have no tangential mass; else null
+  petsc::Matrix predictor_mass_;         ///< mass matrix of the predictor where EᵀME is singular; else null
   petsc::Matrix mass_blocks_, redistributed_blocks_; ///< mass matrix of the body, and EᵀME, in blocks
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;

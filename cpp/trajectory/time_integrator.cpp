@@ -158,6 +158,8 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
                                       stepper.moving_clamps() ? differences : rounding, later, v);
   if (stepper.moving_clamps())
     stepper.moving_clamps()->copy(written, v);
+  if (stepper.velocity_extrapolation())
+    stepper.extrapolate(v, stepper.space().vector());
   if (stepper.pairs())
     contact::place_outside(*stepper.pairs(), y);
   return start;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Seconds of a contact step in units of the solve and products that no step can do without, all measured in the same run.
 
-usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N …] [--sizes H …] [--repeats N] [--json FILE]
+usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N …] [--sizes H …] [--repeats N] [--set KEY=VALUE] [--json FILE]
 
   c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 3 minutes)
   scaling  the half disc from 1 m to 1/32 m, time step in proportion, contact from the start (about 10 minutes)
@@ -39,8 +39,9 @@ def overrides(suite: str, size: float) -> tuple[Path, list[str]]:
 SUITES = {"c0": [0.5, 0.25, 0.125, 0.0625], "scaling": [2.0**-k for k in range(6)], "space": [0.97, 0.48, 0.33]}
 
 
-def measure(suite: str, size: float, ranks: int, repeats: int) -> dict:
+def measure(suite: str, size: float, ranks: int, repeats: int, more: list[str]) -> dict:
     scene, settings = overrides(suite, size)
+    settings += more
     return json.loads(program.output("signorini-bench", scene, str(repeats), f"mesh.size={size!r}", *settings, ranks=ranks))
 
 
@@ -179,6 +180,7 @@ def main() -> int:
     parser.add_argument("--sizes", nargs="+", type=float, metavar="H", help="element sizes, m")
     parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
     parser.add_argument("--repeats", type=int, metavar="N", help="default 5; in space 1")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of the scene; not for effects")
     given = parser.parse_args()
     repeats = given.repeats or (1 if given.suite == "space" else 5)
     rows = []
@@ -188,7 +190,7 @@ def main() -> int:
         print_effects(rows)
     for size in [] if given.suite == "effects" else given.sizes or SUITES[given.suite]:
         for ranks in given.ranks:
-            rows.append(measure(given.suite, size, ranks, repeats))
+            rows.append(measure(given.suite, size, ranks, repeats, given.set))
             print(f"size {size:g}, {ranks} rank{'s' * (ranks > 1)}: {rows[-1]['solver']}", flush=True)
     if given.suite != "effects":
         print_steps(rows)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coulomb friction: its laws in motions, and one-sided derivatives where candidates may open, slip or stick.
+// Friction: its laws in motions, and one-sided derivatives where candidates may open, slip or stick.
+#include "contact/friction.h"
 #include "base/error.h"
 #include "body.h"
-#include "contact/coulomb.h"
 #include "contact/solver/condensed.h"
 #include "contact_parts.h"
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
-#include <catch2/generators/catch_generators.hpp>
+#include <catch2/generators/catch_generators_all.hpp>
 #include <fmt/format.h>
 #include <random>
 
@@ -19,7 +19,18 @@ using test::Parts;
 namespace {
 
 constexpr double mu = 0.5;
-const std::vector<std::string> rubbing{"contact.friction=0.5"};
+
+/// Each scheme, as settings.
+const std::vector<std::vector<std::string>> schemes{
+    {"time.scheme=contact-implicit"},
+    {"time.scheme=contact-stabilized"},
+    {"contact.mass=massless"},
+    {"time.scheme=contact-stabilized", "contact.mass=massless-tangential"}};
+
+std::vector<std::string> with(std::vector<std::string> all, const std::vector<std::string>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
 
 /// A contact step whose solution was chosen: multipliers, gaps, displacements.
 struct Chosen {
@@ -28,8 +39,10 @@ struct Chosen {
   petsc::Vector r = parts.space.vector();
   contact::Workspace work;
 
-  explicit Chosen(const char* file)
-      : parts(rubbing, 0, file), psi(static_cast<std::size_t>(parts.H.count())), rho(psi.size()),
+  double friction = mu;
+
+  explicit Chosen(const char* file, const std::string& law = "contact.friction=0.5")
+      : parts({law}, 0, file), psi(static_cast<std::size_t>(parts.H.count())), rho(psi.size()),
         gap(psi.size()), work(parts.solver.contact()->workspace()) {}
 
   /// Sets a candidate: λ, normal gap, |σ| and slip along the direction of `angle`.
@@ -56,7 +69,7 @@ struct Chosen {
 
   contact::ContactState solve(Vec force, std::span<const double> gaps, Vec y) {
     contact::ContactState state(parts.H.groups(), parts.H.count());
-    state.friction.assign(static_cast<std::size_t>(parts.H.groups()), mu);
+    state.friction.assign(static_cast<std::size_t>(parts.H.groups()), friction);
     const contact::ActiveSet previous{};
     parts.solver.contact()->solve({force, gaps, previous, state, y}, work);
     return state;
@@ -131,11 +144,72 @@ TEST_CASE("one-sided derivatives where candidates may open, slip or stick", "[co
   CHECK(stuck > 5);
 }
 
+TEST_CASE("Tresca friction: one-sided derivatives where candidates may open, and may slip", "[contact]") {
+  const bool space = GENERATE(false, true);
+  CAPTURE(space);
+  Chosen step(space ? "tests/data/cube.toml" : "tests/data/block.toml", "contact.friction={bound=1}");
+  const contact::ConstraintRows& H = step.parts.H;
+  const int m = H.groups();
+  REQUIRE(m >= 5);
+  petsc::Vector y = test::smooth(step.parts.space, 1), found = step.parts.space.vector();
+  check(VecScale(y, 0.01));
+  const double unit = 0.01 * H.weighted_squares(fem::diagonal(step.parts.D)).front(), s = mu * unit;
+  step.friction = s;
+  for (int i = 0; i < m; ++i)
+    step.set(i, 0, 0.05, 0, 0, 1);     // open, sticks
+  step.set(0, 0, 0.05, s, 0.01, -2.0); // open, slips
+  step.set(1, 0, 0, s, 0.01, 1.2);     // opens or closes, slips
+  step.set(2, 0, 0, s, 0, 1);          // opens or closes, slips or sticks
+  step.set(3, unit, 0, s, 0, 2.5);     // closed, slips or sticks
+  step.set(4, 0, 0.05, s, 0, 0.3);     // open, slips or sticks
+  step.finish(y);
+  const contact::ContactState at = step.solve(step.r, step.psi, found);
+  REQUIRE(test::difference(y, found) < 1e-11 * test::largest(y));
+  CHECK(at.weak == contact::ActiveSet{1, 2, 3, 4});
+  REQUIRE(at.active.size() == static_cast<std::size_t>(m));
+  CHECK(at.contact::ContactLinearisation::closed() == contact::ActiveSet{1, 2, 3});
+  CHECK(at.motion(0) == Motion::slips);
+
+  int opened = 0, closed = 0, slipped = 0, stuck = 0;
+  for (int which = 0; which < 40; ++which) {
+    petsc::Vector change = step.parts.pressing(which), x = step.parts.space.vector(), z = petsc::copy(found);
+    check(VecScale(change, which % 2 ? 0.1 : -0.1));
+    constexpr double epsilon = 1e-6;
+    petsc::Vector moved = petsc::copy(step.r);
+    check(VecAXPY(moved, epsilon, change));
+    const contact::ContactState other = step.solve(moved, step.psi, z);
+    check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, found));
+    contact::ContactLinearisation one = at.linearisation();
+    const contact::ActiveSet set = one.active;
+    const std::vector<double> zero(step.psi.size());
+    step.parts.solver.contact()->solve_one_sided({.r = change, .set = set, .value = zero, .x = x}, one,
+                                                 step.work);
+    const double first_order = space ? 1e3 * epsilon : 1e-8;
+    CHECK(test::difference(z, x) < first_order * test::largest(x));
+    REQUIRE(one.active == other.active);
+    for (std::size_t j = 0; j < one.active.size(); ++j) {
+      CHECK(one.motion(j) == other.motion(j));
+      CHECK(one.closed(j) == other.closed(j));
+    }
+    for (const std::size_t j : {1, 2})
+      (one.closed(j) ? closed : opened) += 1;
+    for (const std::size_t j : {2, 3, 4})
+      (one.motion(j) == Motion::slips ? slipped : stuck) += 1;
+    petsc::Vector again = step.parts.space.vector();
+    step.parts.solver.contact()->solve_linearised(
+        {.r = change, .set = one.active, .equations = one.equations, .x = again}, step.work);
+    CHECK(test::difference(again, x) < 1e-9 * test::largest(x));
+  }
+  CHECK(opened > 5);
+  CHECK(closed > 5);
+  CHECK(slipped > 5);
+  CHECK(stuck > 5);
+}
+
 TEST_CASE("friction keeps the laws of energy and momentum, and no bounce gains energy", "[forward]") {
-  const std::string scheme = GENERATE(as<std::string>{}, "time.scheme=contact-implicit",
-                                      "time.scheme=contact-stabilized", "contact.mass=massless");
+  const std::vector<std::string> scheme = GENERATE(from_range(schemes));
   const auto [file, degree, bounces] =
-      GENERATE(std::tuple("tests/data/block.toml", 1, 120), std::tuple("tests/data/block.toml", 2, 40),
+      GENERATE(std::tuple("tests/data/block.toml", 1, 170), std::tuple("tests/data/block.toml", 2, 40),
                std::tuple("tests/data/cube.toml", 1, 40));
   CAPTURE(scheme, file, degree);
   const bool space = std::string(file) == "tests/data/cube.toml";
@@ -146,8 +220,11 @@ TEST_CASE("friction keeps the laws of energy and momentum, and no bounce gains e
     const double friction = 0.1 * std::pow(20, (uniform(generator) + 1) / 2);
     const double across = 2 * uniform(generator), speed = 0.5 + std::abs(uniform(generator));
     const std::string belt = fmt::format("{}", uniform(generator));
-    std::vector<std::string> settings{scheme, fmt::format("mesh.degree={}", degree),
-                                      fmt::format("contact.friction={}", friction)};
+    // every tenth bounce with a bound, of about the tractions of the impact
+    std::vector<std::string> settings =
+        with(scheme, {fmt::format("mesh.degree={}", degree),
+                      bounce % 10 == 9 ? fmt::format("contact.friction={{bound={}}}", friction)
+                                       : fmt::format("contact.friction={}", friction)});
     settings.push_back(space ? fmt::format("initial.velocity=[\"{}\", \"0.3\", \"-{}\"]", across, speed)
                              : fmt::format("initial.velocity=[\"{}\", \"-{}\"]", across, speed));
     if (bounce % 2)
@@ -168,7 +245,7 @@ TEST_CASE("friction keeps the laws of energy and momentum, and no bounce gains e
       CHECK((bounce % 2 || step.belt_work == 0));
       slips += motion.contact[k].count(Motion::slips);
       sticks += motion.contact[k].count(Motion::sticks);
-      free += motion.contact[k].active.empty();
+      free += motion.contact[k].closed().empty();
       tangled += step.contact_work > 0;
     }
   }
@@ -185,8 +262,8 @@ TEST_CASE("coefficients of friction and surface velocities vary in space and tim
                          "contact.obstacle.surface_velocity=[\"x*t\", \"7\"]"});
   const fem::DirichletDofs clamped(body.space, {});
   const contact::ContactPairs pairs(body.space, clamped, body.scene.contacts);
-  contact::ContactPairs::Gaps gaps = pairs.gaps();
-  const std::vector<double> friction(pairs.friction(0.5, gaps).begin(), pairs.friction(0.5, gaps).end());
+  std::vector<double> friction;
+  pairs.friction(0.5, 1, friction);
   std::vector<double> way(static_cast<std::size_t>(pairs.rows().count()));
   pairs.obstacle_ways(0.2, 0.4, way);
   REQUIRE(pairs.count() > 3);
@@ -199,6 +276,25 @@ TEST_CASE("coefficients of friction and surface velocities vary in space and tim
     // along the tangent, by the motion of the plane's point and by the belt at the middle of the step
     CHECK(way[row] == Catch::Approx(pairs.rows().motion(static_cast<int>(row))[0] * (0.6 + 0.2 * 0.3 * x)));
   }
+}
+
+TEST_CASE("bounds of friction are tractions times areas, of midpoints too", "[contact]") {
+  const int degree = GENERATE(1, 2);
+  CAPTURE(degree);
+  const test::Body body("tests/data/block.toml", degree, {"contact.friction={bound=\"2 + t\"}"});
+  const contact::ContactPairs pairs(body.space, fem::DirichletDofs(body.space, {}), body.scene.contacts);
+  std::vector<double> friction;
+  constexpr double impulse = 0.1;
+  pairs.friction(1, impulse, friction);
+  REQUIRE(friction.size() > 4);
+  double sum = 0, least = 1;
+  for (const double bound : friction) {
+    sum += bound;
+    least = std::min(least, bound);
+  }
+  CHECK(sum == Catch::Approx(3 * impulse)); // of the unit square's lower side
+  // hat functions of a quarter: 1/8 at the ends; of degree 2 they have a sixth of an edge
+  CHECK(least == Catch::Approx(3 * impulse * (degree == 1 ? 0.125 : 0.25 / 6)));
 }
 
 TEST_CASE("tangents that clamps hold have no friction, and those held in part are refused", "[contact]") {
@@ -216,14 +312,14 @@ TEST_CASE("tangents that clamps hold have no friction, and those held in part ar
 }
 
 TEST_CASE("friction that is zero at places and times obeys the laws", "[forward]") {
-  const std::string scheme = GENERATE(as<std::string>{}, "time.scheme=contact-implicit",
-                                      "time.scheme=contact-stabilized", "contact.mass=massless");
+  const std::vector<std::string> scheme = GENERATE(from_range(schemes));
   const std::string friction =
-      GENERATE(as<std::string>{}, "\"0*t\"", "\"t < 0.3 ? 0 : 0.4\"", "\"x < 0.5 ? 0 : 0.3\"", "1e-14");
+      GENERATE(as<std::string>{}, "\"0*t\"", "\"t < 0.3 ? 0 : 0.4\"", "\"x < 0.5 ? 0 : 0.3\"", "1e-14",
+               "{bound=0}", "{bound=\"x < 0.5 ? 0 : 0.3\"}");
   const bool space = GENERATE(false, true);
   CAPTURE(scheme, friction, space);
   const test::Ready ready(space ? "tests/data/cube.toml" : "tests/data/block.toml",
-                          {scheme, "contact.friction=" + friction});
+                          with(scheme, {"contact.friction=" + friction}));
   const test::Recorded motion(ready.problem, ready.problem.load());
   const test::Laws laws(motion);
   CHECK(laws.touched > 5);

@@ -11,10 +11,6 @@ using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("what the model lacks is refused by its name", "[scene]") {
   for (const auto& [settings, said] : std::vector<std::pair<std::vector<std::string>, const char*>>{
-           {{"contact.tresca=2e5"}, "contact.tresca: not in this model: Tresca friction;"},
-           {{"contact.law=\"Tresca\""}, "contact.law: not in this model: Tresca friction;"},
-           {{"contact.friction={ bound = \"2e5\" }"},
-            "contact.friction.bound: not in this model: Tresca friction; the bound of friction is Coulomb's"},
            {{"contact={ on = \"bottom\", against = \"top\" }"},
             "contact.against: not in this model: contact between"},
            {{"contact.obstacle={ shape = \"half-space\", mass = 2 }"},
@@ -62,6 +58,14 @@ TEST_CASE("a key under another name is refused by its own name", "[scene]") {
             "contact.static_friction: unknown; give Coulomb friction as contact.friction, one coefficient"},
            {"contact.friction={ static = 0.4, kinetic = 0.3 }",
             ": unknown; give Coulomb friction as contact.friction, one coefficient for stick and slip"},
+           {"contact.tresca=2e5",
+            "contact.tresca: unknown; give Tresca friction as contact.friction = { bound = \"2e5\" }, the "
+            "largest tangential traction in Pa"},
+           {"contact.law=\"Tresca\"", "contact.law: unknown; give Tresca friction as contact.friction = {"},
+           {"contact.bound=2e5",
+            "contact.bound: unknown; give Tresca friction as contact.friction = { bound"},
+           {"contact.friction={ traction = 2e5 }",
+            "contact.friction.traction: unknown; give Tresca friction as contact.friction = { bound"},
            {"contact.surface_velocity=[\"1\", \"0\"]",
             "contact.surface_velocity: unknown; give the motion of a belt or of a roller's surface as"},
            {"contact.obstacle.omega=3",

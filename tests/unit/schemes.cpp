@@ -2,7 +2,7 @@
 #include "contact/mass_redistribution.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
-#include <catch2/generators/catch_generators.hpp>
+#include <catch2/generators/catch_generators_all.hpp>
 #include <random>
 
 using namespace signorini;
@@ -15,6 +15,18 @@ const std::string in_a_corner =
     "normal=[0.1, 1]}}, "
     "{on=\"left\", mass=\"massless\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0.2]}}]";
 
+double product(Mat matrix, Vec x, Vec y) {
+  const petsc::Vector work = petsc::zero_like(x);
+  check(MatMult(matrix, x, work));
+  return petsc::dot(work, y);
+}
+
+std::vector<scene::Contact> with(scene::ContactMass mass, std::vector<scene::Contact> contacts) {
+  for (scene::Contact& contact : contacts)
+    contact.mass = mass;
+  return contacts;
+}
+
 /// Body, candidates, and the mass before and after it was moved from the contact nodes.
 struct Moved {
   scene::Scene scene;
@@ -23,21 +35,46 @@ struct Moved {
   fem::DirichletDofs clamped;
   contact::ContactPairs pairs;
   const contact::ConstraintRows& H = pairs.rows();
-  petsc::Matrix before, after;
+  petsc::Matrix before, E, after;
 
-  Moved(const std::string& file, const std::vector<std::string>& overrides)
+  Moved(const std::string& file, const std::vector<std::string>& overrides,
+        scene::ContactMass mass = scene::ContactMass::massless)
       : scene(test::parse(test::source(file), overrides)), shared(test::discretised(scene)),
         space(shared->mesh, scene.mesh.degree), clamped(space, scene.clamps),
         pairs(space, clamped, scene.contacts), before(fem::assemble_mass(space, scene.materials)),
-        after(contact::redistributed_mass(space, pairs, std::vector<bool>(scene.contacts.size(), true),
-                                          before)) {}
-};
+        E(contact::velocity_extrapolation(space, pairs, with(mass, scene.contacts), before)),
+        after(contact::redistributed_mass(E, before)) {}
 
-double product(Mat matrix, Vec x, Vec y) {
-  const petsc::Vector work = petsc::zero_like(x);
-  check(MatMult(matrix, x, work));
-  return petsc::dot(work, y);
-}
+  /// Checks that the masses and their moments with all linear velocity fields, of which rigid motions are
+  /// some, are those of the body.
+  void keeps_moments() const {
+    std::vector<scene::Components> fields;
+    for (int c = 0; c < space.dim(); ++c)
+      for (const char* value : {"1", "x", "y", "z"}) {
+        if (space.dim() == 2 && *value == 'z')
+          continue;
+        scene::Components field(static_cast<std::size_t>(space.dim()), "0");
+        field[static_cast<std::size_t>(c)] = value;
+        fields.push_back(field);
+      }
+    petsc::Vector x = space.vector(), y = space.vector();
+    for (const scene::Components& a : fields)
+      for (const scene::Components& b : fields) {
+        space.interpolate(scene::Field(a, "test", false), 0, x);
+        space.interpolate(scene::Field(b, "test", false), 0, y);
+        CHECK(std::abs(product(after, x, y) - product(before, x, y)) < 1e-12);
+      }
+  }
+
+  /// Force of a row.
+  petsc::Vector unit_force(std::size_t row) const {
+    std::vector<double> one(static_cast<std::size_t>(H.count()), 0.0);
+    one[row] = 1;
+    petsc::Vector x = space.vector();
+    H.apply(1, one, x);
+    return x;
+  }
+};
 
 /// Random nodal values, the same on any number of ranks only in distribution.
 petsc::Vector noise(const fem::Space& space, unsigned seed) {
@@ -61,36 +98,53 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
     CAPTURE(file, overrides);
     const Moved body(file, overrides);
     REQUIRE(body.pairs.count() > 0);
-    // All linear velocity fields, of which rigid motions are some.
-    std::vector<scene::Components> fields;
-    for (int c = 0; c < body.space.dim(); ++c)
-      for (const char* value : {"1", "x", "y", "z"}) {
-        if (body.space.dim() == 2 && *value == 'z')
-          continue;
-        scene::Components field(static_cast<std::size_t>(body.space.dim()), "0");
-        field[static_cast<std::size_t>(c)] = value;
-        fields.push_back(field);
-      }
-    petsc::Vector x = body.space.vector(), y = body.space.vector();
-    for (const scene::Components& a : fields)
-      for (const scene::Components& b : fields) {
-        body.space.interpolate(scene::Field(a, "test", false), 0, x);
-        body.space.interpolate(scene::Field(b, "test", false), 0, y);
-        CHECK(std::abs(product(body.after, x, y) - product(body.before, x, y)) < 1e-12);
-      }
+    body.keeps_moments();
     // None is left where contact acts, none of it is negative, and the rest of the body keeps its own.
-    const auto m = static_cast<std::size_t>(body.pairs.count());
-    for (std::size_t i = 0; i < m; ++i) {
-      std::vector<double> one(m, 0.0);
-      one[i] = 1;
-      check(VecZeroEntries(x));
-      body.H.apply(1, one, x);
+    petsc::Vector y = body.space.vector();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(body.pairs.count()); ++i) {
+      const petsc::Vector x = body.unit_force(i);
       check(MatMult(body.after, x, y));
       CHECK(test::largest(y) < 1e-14 * product(body.before, x, x));
     }
     for (unsigned seed = 0; seed < 5; ++seed)
       CHECK(product(body.after, noise(body.space, seed), noise(body.space, seed)) > 0);
   }
+}
+
+TEST_CASE("without tangential mass contact nodes keep that along the normal", "[contact]") {
+  const auto [file, overrides] = GENERATE(table<std::string, std::vector<std::string>>(
+      {{"tests/data/block.toml", {"contact.friction=0.3"}},
+       {"tests/data/block.toml", {"contact.friction=0.3", "mesh.size=0.1", "mesh.degree=2"}},
+       {"tests/data/cube.toml", {"contact.friction=0.3"}}}));
+  CAPTURE(file, overrides);
+  const Moved body(file, overrides, scene::ContactMass::massless_tangential);
+  body.keeps_moments();
+  petsc::Matrix whole;
+  check(MatDuplicate(body.after, MAT_COPY_VALUES, whole.put()));
+  contact::add_removed_mass(body.E, body.before, whole);
+  const auto m = static_cast<std::size_t>(body.pairs.count());
+  REQUIRE(static_cast<std::size_t>(body.H.count()) > m);
+  petsc::Vector y = body.space.vector();
+  for (std::size_t row = 0; row < static_cast<std::size_t>(body.H.count()); ++row) {
+    const petsc::Vector x = body.unit_force(row);
+    const double before = product(body.before, x, x);
+    check(MatMult(body.after, x, y));
+    if (row < m)
+      CHECK(product(body.after, x, x) > 0.5 * before);
+    else {
+      CHECK(test::largest(y) < 1e-14 * before);
+      CHECK(std::abs(product(whole, x, x) - before) < 1e-14);
+    }
+  }
+  // E is a projection.
+  const petsc::Vector x = noise(body.space, 3);
+  petsc::Vector once = petsc::zero_like(x);
+  check(MatMult(body.E, x, once));
+  check(MatMult(body.E, once, y));
+  CHECK(test::difference(once, y) < 1e-12);
+  CHECK(test::difference(once, x) > 0.1);
+  for (unsigned seed = 0; seed < 5; ++seed)
+    CHECK(product(whole, noise(body.space, seed), noise(body.space, seed)) > 0);
 }
 
 TEST_CASE("candidates that face away from the obstacle keep their mass", "[contact]") {
@@ -103,10 +157,7 @@ TEST_CASE("candidates that face away from the obstacle keep their mass", "[conta
   const auto m = static_cast<std::size_t>(body.pairs.count());
   int below = 0;
   for (std::size_t i = 0; i < m; ++i) {
-    std::vector<double> one(m, 0.0);
-    one[i] = 1;
-    check(VecZeroEntries(x));
-    body.H.apply(1, one, x);
+    x = body.unit_force(i);
     const double mass = product(body.after, x, x), before = product(body.before, x, x);
     if (body.pairs.points()[3 * i + 1] < 1e-12) {
       ++below;
@@ -127,6 +178,8 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
            {"tests/data/block.toml", {"solver.linear=\"iterative\""}},
            {"tests/data/block.toml", {"solver.vi=\"full\""}},
            {"tests/data/block.toml", {"clamp=[{on=\"top\"}]", "initial.velocity=[\"0\", \"0\"]"}},
+           {"tests/data/block.toml", {"contact.friction=0.3", "contact.mass=massless-tangential"}},
+           {"tests/data/cube.toml", {"contact.friction=0.3", "contact.mass=massless-tangential"}},
            {"tests/data/cube.toml", {}}}) {
     CAPTURE(file, overrides);
     std::vector<std::string> settings = overrides;

@@ -27,7 +27,11 @@ TEST_CASE("a body in equilibrium stays at rest", "[forward]") {
   const std::vector<std::string> more = GENERATE(
       std::vector<std::string>{}, std::vector<std::string>{"time.scheme=contact-stabilized"},
       std::vector<std::string>{"contact.mass=massless"}, std::vector<std::string>{"mesh.degree=2"},
-      std::vector<std::string>{"contact.friction=0.3"}, std::vector<std::string>{"solver.linear=iterative"},
+      std::vector<std::string>{"contact.friction=0.3"},
+      std::vector<std::string>{"contact.friction={bound=0.1}"},
+      std::vector<std::string>{"contact.friction=0.3", "contact.mass=massless-tangential",
+                               "time.scheme=contact-stabilized"},
+      std::vector<std::string>{"solver.linear=iterative"},
       // hangs on a clamp that moves with the load of t = 0, which grows later
       std::vector<std::string>{"contact.obstacle.point=[0, -9]", "clamp=[{on=\"top\"}]"},
       std::vector<std::string>{"material.prony=[{g=0.3, k=0.3, time=0.1}]", "material.moduli=long-term"});

@@ -64,7 +64,7 @@ double Complementarity::negligible_motion(std::span<const double> lambda, double
   return relative * largest + accuracy(tolerance) * size + underflow;
 }
 
-void Complementarity::classify(ContactState& state, Vec y, double tolerance) const {
+void Complementarity::classify(ContactState& state, Vec y, double tolerance, double residual) const {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::ranges::all_of(state.gap, finite) || !std::ranges::all_of(state.lambda, finite))
     throw SolverFailure("the solution is not finite");
@@ -73,12 +73,15 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   state.forces.clear();
   state.equations.clear();
   state.weak.clear();
-  if (std::ranges::all_of(state.normal_gap(), [&](double g) { return g > gap_tolerance_; }) &&
+  if (!rows_.act_open() &&
+      std::ranges::all_of(state.normal_gap(), [&](double g) { return g > gap_tolerance_; }) &&
       std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
     return;
   PetscReal size = 0;
   check(VecNorm(y, NORM_INFINITY, &size));
-  const double motion = negligible_motion(state.lambda, size, tolerance);
+  // A residual of the laws allows forces that move their node by twice as much, as a normal and as a
+  // tangential force.
+  const double motion = std::max(negligible_motion(state.lambda, size, tolerance), 2 * residual);
   // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (diameter_ + size));
   double penetration = 0, adhesion = 0, distance = 0;
@@ -107,18 +110,24 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
       state.status[i] = Status::strong;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
-    if (state.status[i] != Status::open) {
-      const Values group = values(i);
-      state.active.push_back(static_cast<int>(i));
-      state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
-      if (!rows_.symmetric())
-        state.equations.push_back(group.law.linearised(
-            group.rho(), group.U(), compliance(static_cast<int>(i)), group.friction, closed));
+    const Values group = values(i);
+    const bool open = state.status[i] == Status::open, weak = state.status[i] == Status::weak;
+    if (open && !group.law.acts_open())
+      continue;
+    state.active.push_back(static_cast<int>(i));
+    state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
+    bool limit = false;
+    if (!rows_.symmetric()) {
+      const double normal = compliance(static_cast<int>(i));
+      LawEquation& law = state.equations.emplace_back(
+          group.law.linearised(group.rho(), group.U(), {normal, normal}, group.friction, closed));
+      law.weak = weak;
+      law.limit = law.limit && (!weak || group.law.acts_open()); // else it is about to open too
+      if (open)
+        law.open(normal);
+      limit = law.limit;
     }
-    const bool weak = state.status[i] == Status::weak;
-    if (weak && !rows_.symmetric())
-      state.equations.back().limit = false; // it is about to open too
-    if (weak || (state.status[i] == Status::strong && !rows_.symmetric() && state.equations.back().limit))
+    if (weak || limit)
       state.weak.push_back(static_cast<int>(i));
   }
 }

@@ -16,9 +16,10 @@ public:
   Complementarity(const ConstraintRows& rows, double diameter, Mat D);
 
   /// Sets the status and the linearisation of `state` from its multipliers λ and gaps. `y`: solution of the
-  /// step; `tolerance`: relative error of y due to an iterative solver, 0 for a direct one. Collective.
-  /// Throws SolverFailure if λ and gaps are not all finite or not complementary.
-  void classify(ContactState& state, Vec y, double tolerance = 0) const;
+  /// step; `tolerance`: relative error of y due to an iterative solver, 0 for a direct one; `residual`: up to
+  /// which the laws were solved, m (Law::residual). Collective. Throws SolverFailure if λ and gaps are not
+  /// all finite or not complementary.
+  void classify(ContactState& state, Vec y, double tolerance = 0, double residual = 0) const;
 
   /// Penetration (m) that rounding errors may cause. `deepest_gap`: largest penetration without contact
   /// forces, m; `displacement`: largest displacement, m.

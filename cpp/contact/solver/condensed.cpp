@@ -227,15 +227,16 @@ void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work)
   }
 }
 
-void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work) const {
+double CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work) const {
   ContactState& state = step.state;
   const double negligible = std::min(this->negligible(step.psi, work.gap0), length_unit_);
   laws_.solve(step.guess, negligible, state, work);
   constexpr int passes = 3; // of refinement, where the rounding of S leaves gaps
   for (int pass = 0;; ++pass) {
     delassus_.finish(step.psi, state.lambda, state.gap, step.y, work);
-    if (pass == passes || laws_.residual(state) <= negligible)
-      return;
+    const double residual = laws_.residual(state);
+    if (pass == passes || residual <= negligible)
+      return std::max(residual, negligible);
     laws_.newton_step(state, work);
   }
 }
@@ -278,8 +279,9 @@ void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
     std::ranges::fill(state.lambda, 0);
   else
     count_solved();
+  double residual = 0;
   if (!open && !rows_.symmetric()) {
-    solve_by_laws(step, work);
+    residual = solve_by_laws(step, work);
   } else {
     if (!open)
       solve_by_sets(step, work);
@@ -288,7 +290,7 @@ void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
         std::ranges::any_of(work.set, [&](int i) { return std::abs(state.gap[i]) > length_unit_; }))
       refine(r, psi, state, y, work);
   }
-  complementarity_.classify(state, y, tolerance_);
+  complementarity_.classify(state, y, tolerance_, residual);
 }
 
 } // namespace signorini::contact

@@ -69,8 +69,9 @@ private:
   void pivot(ContactState& state, std::span<const double> psi, Workspace& work) const;
   /// Computes λ, gaps and the active set for symmetric laws; some predicted gap must be negative. Collective.
   void solve_by_sets(const ContactProblem& step, Workspace& work) const;
-  /// Computes λ, gaps and y for laws that are not symmetric; some predicted gap must be negative. Collective.
-  void solve_by_laws(const ContactProblem& step, Workspace& work) const;
+  /// Computes λ, gaps and y for laws that are not symmetric; some predicted gap must be negative. Returns the
+  /// residual of the laws up to which they are solved, m. Collective.
+  [[nodiscard]] double solve_by_laws(const ContactProblem& step, Workspace& work) const;
   /// Rounding error of predicted gaps, estimated from the size of the motion in this step, m.
   [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;
   /// Residual of the laws that rounding errors may cause, m.

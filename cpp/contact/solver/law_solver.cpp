@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/law_solver.h"
 #include "base/collective.h"
-#include "contact/coulomb.h"
+#include "contact/friction.h"
 #include "contact/lcp/lemke.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -12,26 +12,56 @@
 
 namespace signorini::contact {
 
-double LawSolver::residual(int group, const ContactState& state) const {
-  const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
+Compliance LawSolver::compliance(int group, double softness) const {
+  const auto own = [&](std::size_t row, double otherwise) {
+    const std::span<const double> column = delassus_.column(static_cast<int>(row));
+    return column.empty() ? otherwise : column[row];
+  };
   const std::size_t k = rows_.size(group);
-  const double found = laws_[group]->residual({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group],
-                                              state.friction_of(static_cast<std::size_t>(group)));
+  const double normal = own(rows_.row(group, 0), 1); // any value serves groups that have been open so far
+  double sum = 0;
+  for (std::size_t c = 1; c < k; ++c)
+    sum += own(rows_.row(group, c), normal);
+  const double tangential = k > 1 ? sum / static_cast<double>(k - 1) : normal;
+  return {(1 + softness) * normal, (1 + softness) * tangential};
+}
+
+LawSolver::Values LawSolver::values(int group, const ContactState& state, double softness) const {
+  Values found{.size = rows_.size(group),
+               .multipliers = rows_.of_group(group, state.lambda),
+               .gaps = rows_.of_group(group, state.gap),
+               .compliance = compliance(group, softness),
+               .softening = {},
+               .friction = state.friction_of(static_cast<std::size_t>(group))};
+  for (std::size_t c = 0; c < found.size; ++c) {
+    found.softening[c] =
+        softness / (1 + softness) * (c == 0 ? found.compliance.normal : found.compliance.tangential);
+    found.gaps[c] += found.softening[c] * found.multipliers[c];
+  }
+  return found;
+}
+
+double LawSolver::residual(int group, const ContactState& state, double softness) const {
+  const Values at = values(group, state, softness);
+  const double found = laws_[group]->residual(at.rho(), at.U(), at.compliance, at.friction);
   return std::isfinite(found) ? found : std::numeric_limits<double>::infinity();
 }
 
-double LawSolver::residual(const ContactState& state) const {
+double LawSolver::residual(const ContactState& state, double softness) const {
   double largest = 0;
   for (int i = 0; i < rows_.groups(); ++i)
-    largest = std::max(largest, residual(i, state));
+    largest = std::max(largest, residual(i, state, softness));
   return largest;
 }
 
-bool LawSolver::next(int group, const ContactState& state, LawEquation& equation) const {
-  const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
-  const std::size_t k = rows_.size(group);
-  return laws_[group]->newton_equation({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group],
-                                       state.friction_of(static_cast<std::size_t>(group)), equation);
+bool LawSolver::next(int group, const ContactState& state, double softness, LawEquation& equation) const {
+  const Values at = values(group, state, softness);
+  if (!laws_[group]->newton_equation(at.rho(), at.U(), at.compliance, at.friction, equation))
+    return false;
+  for (std::size_t i = 0; i < at.size; ++i) // E (U + softening ρ) + F ρ = c
+    for (std::size_t j = 0; j < at.size; ++j)
+      equation.F[i * at.size + j] += equation.E[i * at.size + j] * at.softening[j];
+  return true;
 }
 
 void LawSolver::add_to_multiplier(int row, double change, ContactState& state) const {
@@ -51,14 +81,14 @@ void LawSolver::start(std::span<const double> lambda, ContactState& state, Works
     add_to_multiplier(static_cast<int>(row), lambda[row], state);
 }
 
-void LawSolver::newton_step(ContactState& state, Workspace& work) const {
+void LawSolver::newton_step(ContactState& state, Workspace& work, double softness) const {
   work.set.clear();
   work.equations.clear();
   work.b.clear();
   ActiveSet opens;
   for (int i = 0; i < rows_.groups(); ++i) {
     LawEquation law;
-    if (next(i, state, law)) {
+    if (next(i, state, softness, law)) {
       work.set.push_back(i);
       work.equations.push_back(law);
     } else if (state.lambda[i] != 0)
@@ -70,11 +100,11 @@ void LawSolver::newton_step(ContactState& state, Workspace& work) const {
       add_to_multiplier(row, -state.lambda[row], state);
       state.lambda[row] = 0; // not a rounding error
     }
-  for (std::size_t j = 0; j < work.set.size(); ++j) { // E S δρ + F δρ = −E U − F ρ
+  for (std::size_t j = 0; j < work.set.size(); ++j) { // E S δρ + F δρ = c − E U − F ρ
     const LawEquation& law = work.equations[j];
     const int i = work.set[j];
     for (std::size_t c = 0, k = rows_.size(i); c < k; ++c)
-      work.b.push_back(-times(law.E, k, c, rows_.of_group(i, state.gap)) -
+      work.b.push_back(law.constant[c] - times(law.E, k, c, rows_.of_group(i, state.gap)) -
                        times(law.F, k, c, rows_.of_group(i, state.lambda)));
   }
   state.several = delassus_.solve_equations(work.set, work.equations, false, work.b, work) < 0;
@@ -85,47 +115,48 @@ void LawSolver::newton_step(ContactState& state, Workspace& work) const {
   ++state.vi_iterations;
 }
 
-void LawSolver::shorten(std::span<const double> lambda, std::span<const double> gap, double before,
-                        ContactState& state) const {
-  constexpr int most = 10;
-  for (int i = 0; i < most && residual(state) >= before; ++i) {
-    for (std::size_t row = 0; row < lambda.size(); ++row) {
-      state.lambda[row] = (state.lambda[row] + lambda[row]) / 2;
-      state.gap[row] = (state.gap[row] + gap[row]) / 2;
-    }
-  }
-}
-
-bool LawSolver::settle(double negligible, bool backtracking, ContactState& state, Workspace& work) const {
-  using Pattern = std::vector<Motion>; // of each group
-  std::vector<Pattern> seen;
-  constexpr int most = 20, most_short = 60;
-  double now = residual(state);
-  for (int i = 0; i < (backtracking ? most_short : most); ++i) {
+bool LawSolver::settle(double negligible, ContactState& state, Workspace& work, double softness) const {
+  constexpr int most = 20;
+  constexpr double rounding = 1e-9;
+  std::vector<double> seen; // residuals
+  for (int i = 0; i < most; ++i) {
+    const double now = residual(state, softness);
     if (now <= negligible)
       return true;
-    const std::vector<double> lambda = state.lambda, gap = state.gap;
+    if (std::ranges::any_of(seen, [&](double before) { return std::abs(now - before) <= rounding * now; }))
+      return false; // a cycle
+    seen.push_back(now);
     try {
-      newton_step(state, work);
+      newton_step(state, work, softness);
     } catch (const SolverFailure&) { // a singular system, on all ranks: the next method tries
       return false;
     }
-    const double before = std::exchange(now, residual(state));
-    if (backtracking && now > before) {
-      shorten(lambda, gap, before, state);
-      now = residual(state);
-      continue;
-    }
-    Pattern pattern(static_cast<std::size_t>(rows_.groups()), Motion::open);
-    for (std::size_t j = 0; j < work.set.size(); ++j)
-      pattern[static_cast<std::size_t>(work.set[j])] = work.equations[j].motion;
-    if (!seen.empty() && pattern == seen.back())
-      continue; // the step of one pattern converges
-    if (!backtracking && std::ranges::find(seen, pattern) != seen.end())
-      return now <= negligible;
-    seen.push_back(std::move(pattern));
   }
-  return now <= negligible;
+  return residual(state, softness) <= negligible;
+}
+
+bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) const {
+  constexpr double first = 1, least = 1e-10, largest_ratio = 10, least_ratio = 1.05, loose = 1e4;
+  constexpr int most = 600;
+  double softness = first, solved = 0, ratio = largest_ratio;
+  std::vector<double> lambda;
+  for (const int before = state.vi_iterations; state.vi_iterations - before < most;) {
+    const bool hard = softness == 0;
+    if (settle(hard ? negligible : loose * negligible, state, work, softness)) {
+      if (hard)
+        return true;
+      lambda = state.lambda;
+      solved = softness;
+      ratio = std::min(largest_ratio, ratio * std::sqrt(ratio));
+    } else {
+      ratio = std::sqrt(ratio);
+      if (solved == 0 || ratio < least_ratio)
+        return false;
+      start(lambda, state, work);
+    }
+    softness = solved / ratio < least ? 0 : solved / ratio;
+  }
+  return false;
 }
 
 void LawSolver::relax(int group, ContactState& state) const {
@@ -137,7 +168,7 @@ void LawSolver::relax(int group, ContactState& state) const {
     const std::array<double, 3> rho = rows_.of_group(group, state.lambda),
                                 U = rows_.of_group(group, state.gap);
     std::array<double, 3> change{-rho[0], -rho[1], -rho[2]};
-    if (next(group, state, law)) {
+    if (next(group, state, 0, law)) {
       std::array<double, 9> X{}; // E S + F of the group, column by column
       for (std::size_t j = 0; j < k; ++j) {
         const std::array<double, 3> S =
@@ -146,7 +177,7 @@ void LawSolver::relax(int group, ContactState& state) const {
           X[j * k + c] = times(law.E, k, c, S) + law.F[c * k + j];
       }
       for (std::size_t c = 0; c < k; ++c)
-        change[c] = -times(law.E, k, c, U) - times(law.F, k, c, rho);
+        change[c] = law.constant[c] - times(law.E, k, c, U) - times(law.F, k, c, rho);
       if (solve_general({X.data(), k * k}, k, false, {change.data(), k}) != 0)
         return;
     }
@@ -241,6 +272,7 @@ void LawSolver::fail(const ContactState& state) const {
     if (residual(i, state) > residual(worst, state))
       worst = i;
   const double largest = residual(worst, state);
+  delassus_.prepare(std::array{worst});
   const std::array<double, 3> S = rows_.of_group(worst, delassus_.column(worst));
   throw LawFailure(fmt::format("the contact laws of {} candidates are not satisfied after {} iterations; the "
                                "largest residual is {:.3e} m",
@@ -253,35 +285,32 @@ bool LawSolver::solve_by(Method method, double negligible, ContactState& state, 
   constexpr int most = 20'000;
   switch (method) {
   case newton:
-    return settle(negligible, false, state, work);
-  case backtracking:
-    return settle(negligible, true, state, work);
-  case sweeps:
-    for (const int sweeps : {30, 300}) {
-      sweep(sweeps, negligible, state, work);
-      if (settle(negligible, false, state, work))
-        return true;
-    }
-    return false;
+    return settle(negligible, state, work);
+  case hardening:
+    return harden(negligible, state, work);
   case pivots:
-    return pivot(state, work) && settle(negligible, false, state, work);
-  case sweeps_alone:
+    return pivot(state, work) && settle(negligible, state, work);
+  case sweeps:
     sweep(most, negligible, state, work);
-    return residual(state) <= negligible;
+    return residual(state) <= negligible || settle(negligible, state, work);
   }
   return false;
 }
 
 void LawSolver::solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
                       Method first) const {
-  std::vector<int> rows(static_cast<std::size_t>(rows_.groups()));
-  std::iota(rows.begin(), rows.end(), 0);
-  for (std::size_t row = rows.size(); row < guess.size(); ++row)
-    if (guess[row] != 0)
-      rows.push_back(static_cast<int>(row));
+  std::vector<int> rows;
+  for (int i = 0; i < rows_.groups(); ++i) {
+    const std::array<double, 3> U = rows_.of_group(i, work.gap0);
+    bool acts = !laws_[i]->stays_open({U.data(), rows_.size(i)});
+    for (std::size_t c = 0; c < rows_.size(i) && !guess.empty(); ++c)
+      acts = acts || guess[rows_.row(i, c)] != 0;
+    for (std::size_t c = 0; c < rows_.size(i) && acts; ++c)
+      rows.push_back(static_cast<int>(rows_.row(i, c)));
+  }
   delassus_.prepare(rows);
   using enum Method;
-  for (const Method method : {newton, backtracking, sweeps, pivots, sweeps_alone}) {
+  for (const Method method : {newton, hardening, pivots, sweeps}) {
     if (method < first)
       continue;
     start(method == newton ? guess : std::span<const double>(), state, work);

@@ -16,9 +16,9 @@ struct LawFailure : SolverFailure {
 
 /// Solves the laws of a step with gaps U = U⁰ + S ρ, where some law is not symmetric, such as friction
 /// (docs/method.md section 5). Newton steps on the laws' active sets start from the multipliers of the step
-/// before and settle in a few iterations. If they cycle, Newton steps with backtracking follow, then those
-/// after sweeps of a block Gauss–Seidel iteration, in the plane those after Lemke's method, and at last the
-/// sweeps alone.
+/// before and settle in a few iterations. If they cycle, the problem is solved with soft contacts first, U =
+/// U⁰ + (S + softness diag(S)) ρ, and these are hardened step by step. In the plane Lemke's method follows,
+/// and at last a block Gauss–Seidel iteration.
 class LawSolver {
 public:
   /// The laws are those of `rows`. The references must outlive this object.
@@ -31,7 +31,7 @@ public:
       : rows_(rows), delassus_(delassus), laws_(std::move(laws)) {}
 
   /// Methods in the order in which they are tried, each from zero but the first.
-  enum class Method { newton, backtracking, sweeps, pivots, sweeps_alone };
+  enum class Method { newton, hardening, pivots, sweeps };
 
   /// Computes the multipliers and gaps of `state`, whose `friction` is given, for the predicted gaps
   /// `work.gap0` (m), to a residual of at most `negligible` (m). `guess`: multipliers to start from, or
@@ -39,13 +39,28 @@ public:
   void solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
              Method first = Method::newton) const;
   /// Takes one Newton step from the multipliers and gaps of `state`. Collective.
-  void newton_step(ContactState& state, Workspace& work) const;
+  void newton_step(ContactState& state, Workspace& work) const { newton_step(state, work, 0); }
   /// Returns the largest residual of a law, m.
-  [[nodiscard]] double residual(const ContactState& state) const;
+  [[nodiscard]] double residual(const ContactState& state) const { return residual(state, 0); }
 
 private:
+  /// Multipliers, gaps and compliance of a group, with softened contacts.
+  struct Values {
+    std::size_t size;
+    std::array<double, 3> multipliers, gaps;
+    Compliance compliance;
+    std::array<double, 3> softening; ///< part of the gaps per unit of the multipliers
+    double friction;
+    [[nodiscard]] std::span<const double> rho() const { return {multipliers.data(), size}; }
+    [[nodiscard]] std::span<const double> U() const { return {gaps.data(), size}; }
+  };
+  /// `softness`: compliance of the contacts relative to the diagonal of S, here and in what follows.
+  [[nodiscard]] Values values(int group, const ContactState& state, double softness) const;
+  /// Diagonal entries of S of a group, times 1 + softness; the mean of those of its tangents.
+  [[nodiscard]] Compliance compliance(int group, double softness) const;
   /// Residual of one group's law, m; infinite if it is not finite.
-  [[nodiscard]] double residual(int group, const ContactState& state) const;
+  [[nodiscard]] double residual(int group, const ContactState& state, double softness = 0) const;
+  [[nodiscard]] double residual(const ContactState& state, double softness) const;
   /// Computes all columns of S. Collective.
   void prepare_all() const;
   /// Tries one method. Returns whether the residual is negligible. Collective.
@@ -53,17 +68,17 @@ private:
   /// Sets multipliers, and the gaps that they cause.
   void start(std::span<const double> lambda, ContactState& state, Workspace& work) const;
   /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
-  [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
+  [[nodiscard]] bool next(int group, const ContactState& state, double softness, LawEquation& equation) const;
   /// Adds `change` to a row's multiplier, and its effect to all gaps.
   void add_to_multiplier(int row, double change, ContactState& state) const;
-  /// Takes Newton steps until the residual is negligible; gives up when a pattern of open, sticking and
-  /// slipping groups recurs. `backtracking`: whether steps are shortened until the residual falls. Returns
+  void newton_step(ContactState& state, Workspace& work, double softness) const;
+  /// Takes Newton steps until the residual is negligible; gives up after twenty, or when they cycle. Returns
   /// whether the residual is negligible. Collective.
-  bool settle(double negligible, bool backtracking, ContactState& state, Workspace& work) const;
-  /// Shortens the last Newton step, which started from `lambda` and `gap` with the residual `before`, until
-  /// the residual falls.
-  void shorten(std::span<const double> lambda, std::span<const double> gap, double before,
-               ContactState& state) const;
+  bool settle(double negligible, ContactState& state, Workspace& work, double softness = 0) const;
+  /// Solves with softness 1, then with ever less down to zero, each time from the solution before. The ratio
+  /// of two values is at most ten, and smaller where Newton steps do not settle. Returns whether the residual
+  /// is negligible. Collective.
+  bool harden(double negligible, ContactState& state, Workspace& work) const;
   /// Makes up to `most` sweeps of a block Gauss–Seidel iteration over the groups. Collective.
   void sweep(int most, double negligible, ContactState& state, Workspace& work) const;
   /// Solves the law of one group with the multipliers of all other groups fixed.

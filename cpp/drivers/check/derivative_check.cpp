@@ -27,14 +27,15 @@ int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
   return static_cast<int>(difference.size());
 }
 
-/// Number of candidates in contact in both of two states that stick in one and slip in the other.
+/// Number of candidates that are active in both of two states and stick in one and slip in the other, or
+/// touch in one alone.
 int otherwise_moving(const contact::ContactLinearisation& a, const contact::ContactLinearisation& b) {
   int count = 0;
   for (std::size_t i = 0; i < a.equations.size(); ++i) {
     const auto found = std::ranges::lower_bound(b.active, a.active[i]);
+    const auto j = static_cast<std::size_t>(found - b.active.begin());
     if (found != b.active.end() && *found == a.active[i])
-      count +=
-          a.equations[i].motion != b.equations[static_cast<std::size_t>(found - b.active.begin())].motion;
+      count += a.motion(i) != b.motion(j) || a.closed(i) != b.closed(j);
   }
   return count;
 }
@@ -286,7 +287,7 @@ private:
   [[nodiscard]] bool contact_occurs() const {
     return std::ranges::any_of(
         problem_.trajectory().contact(),
-        [](const contact::ContactLinearisation& state) { return !state.active.empty(); });
+        [](const contact::ContactLinearisation& state) { return !state.closed().empty(); });
   }
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }

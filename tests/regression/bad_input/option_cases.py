@@ -85,7 +85,12 @@ def method_cases() -> list[Case]:
         Case("massless and stabilized", ('contact.mass: found "massless"', '"contact-stabilized"', 'set mass to "consistent"'), edits=(
             ("[material]", 'scheme = "contact-stabilized"\n[material]'), ("[load]", 'mass = "massless"\n[load]')), at="mass ="),
         edited("unknown mass of contact", "[load]", 'mass = "lumped"\n[load]', 'contact.mass: found "lumped"',
-               "consistent, massless"),
+               "consistent, massless, massless-tangential"),
+        edited("no tangential mass in implicit steps", "[load]", 'mass = "massless-tangential"\nfriction = 0.3\n[load]',
+               'contact.mass: found "massless-tangential"', '"contact-implicit"', 'set time.scheme to "contact-stabilized"'),
+        Case("no tangential mass without friction", ('contact.mass: found "massless-tangential" without friction', "give contact.friction"),
+             edits=(("[material]", 'scheme = "contact-stabilized"\n[material]'), ("[load]", 'mass = "massless-tangential"\n[load]')),
+             at="mass ="),
         overridden("unknown reaction to invariants", 'run.invariants="ignore"', "run.invariants: ", '"ignore"', "warn, stop, off"),
         overridden("tolerance of invariants", "run.tolerance=0", "run.tolerance: ", "greater than 0"),
         edited("misspelt linear solver", 'linear = "auto"', 'linear = "interactive"', "solver.linear: ", '"interactive"',

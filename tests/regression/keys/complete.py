@@ -32,6 +32,7 @@ FULL = (
         "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
+    (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
     (BLOCK, {"time": {"end": 0.6, "step": "auto", "longest": 0.06, "shortest": 1e-3}, "control__step": 0.06}),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),

@@ -219,6 +219,49 @@ def test_no_friction_by_default(plain: Run, simulate: Runner) -> None:
     assert "slip" not in none.steps and "friction_work" not in none.manifest["energy"] and not none.manifest["effects"]["friction"]
 
 
+# The block above the floor, held up by its upper side: friction that needs no contact brakes it all the same.
+FLIES = FLAT | {"clamp": [{"on": "top", "components": ["y"]}], "load__body": ["0", "0"], "initial__velocity": ["3", "0"]}
+
+
+@pytest.mark.key("contact.friction.bound")
+@pytest.mark.parametrize("bound", (0.3, "0.3", "0.1 + 0.4*x + 0.2*t"))
+def test_friction_bound(bound: float | str, simulate: Runner) -> None:
+    """Friction is the bound times the nodal area, against the slip, without contact, and its impulse brakes the block."""
+    done = simulate(contact__friction={"bound": bound}, **FLIES)
+    found = friction_of(done)
+    area = np.array([0.125, 0.25, 0.25, 0.25, 0.125])
+    traction = 0.1 + 0.4 * found["x"] + 0.2 * found["time"] if "x" in str(bound) else np.full((31, 5), 0.3)
+    assert done.steps["active"].max() == 0 and (done.steps["slip"][1:] == 5).all()
+    near(found["tangential_force_x"][1:], -(traction * area)[1:], 1e-11)
+    near(done.momentum()[0], 3 + done.manifest["impact"]["all"]["friction_impulse"][0])
+    near(done.steps["friction_work"], 0.02 * (found["tangential_force_x"] * found["slip_velocity_x"]).sum(axis=1))
+    assert done.manifest["effects"]["friction"]
+
+
+@pytest.mark.key("contact.friction.bound")
+def test_friction_bound_that_holds(simulate: Runner) -> None:
+    done = simulate(contact__friction={"bound": 2}, **FLIES | {"initial__velocity": ["0", "0"], "load__body": ["0.5", "0"]})
+    found = friction_of(done)
+    assert (done.steps["stick"][1:] == 5).all() and (found["motion"][1:] == "stick").all()
+    assert abs(found["slip_velocity_x"]).max() < ROUNDING and 0.1 < -found["tangential_force_x"].sum(axis=1).min() < 2
+
+
+@pytest.mark.key("contact.mass")
+def test_no_tangential_mass(simulate: Runner) -> None:
+    """Forces of nodes that stick do not alternate, and a velocity of these nodes alone is none."""
+    scene = RESTS | {"contact__friction": 5, "initial__velocity": ["0.3", "-1"], "time__scheme": "contact-stabilized"}
+    found = {mass: friction_of(simulate(contact__mass=mass, **scene)) for mass in ("consistent", "massless-tangential")}
+    scatter = {}
+    for mass, contact in found.items():
+        assert (contact["motion"][1:13] == "stick").all()
+        scatter[mass] = abs(np.diff(contact["tangential_force_x"][1:13].sum(axis=1), 2)).max()
+    print(scatter)
+    assert scatter["massless-tangential"] < 0.1 * scatter["consistent"]
+    light = FLAT | {"contact__friction": 2, "time__scheme": "contact-stabilized", "initial__velocity": ["y < 0.01 ? 1 : 0", "0"]}
+    energies = [simulate(contact__mass=mass, **light).steps["kinetic_energy"][0] for mass in found]
+    assert energies[0] > 0.03 and abs(energies[1]) < ROUNDING, "that of the lower nodes along the plane"
+
+
 @pytest.mark.key("initial.static")
 @pytest.mark.parametrize("friction, push", ((0, 0), (0.3, 0), (0, 0.5)))
 def test_static_start(friction: float, push: float, simulate: Runner) -> None:
