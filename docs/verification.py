@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the cases of the verification manual and writes its pages, docs/verification/*.md.
 
-usage: python3 docs/verification.py [CASE…]        with the built `signorini` on PATH; a minute for all of them
+usage: python3 docs/verification.py [CASE…]        with the built `signorini` on PATH; two minutes for all
 
 A case is a scene, a reference and tolerances. With names of cases only these are run; the table of all cases is made from their
 pages. tests/regression/manual.py runs every case and compares it with its page.
@@ -31,6 +31,7 @@ from pressed_disc import hertz, hertz_pressure, pressure  # noqa: E402
 from standard_solid import Solid, at_ends, over_steps  # noqa: E402
 from verification_case import Case, Figure, impact  # noqa: E402
 from verification_friction import CASES as WITH_FRICTION  # noqa: E402
+from verification_oblique import CASES as OBLIQUE  # noqa: E402
 
 
 def mean_force(out: Path, start: float, end: float) -> float:
@@ -743,6 +744,7 @@ CASES = [
         less. The displacement is twice the mean of its axial component over the half sphere.""",
         cavity),
     *WITH_FRICTION,
+    *OBLIQUE,
 ]  # fmt: skip
 
 

@@ -127,9 +127,10 @@ Costs costs(const problem::Problem& problem) {
     if (stepper.frictional())
       costs["friction"] = {fmt::format("{} tangents", pairs->rows().count() - pairs->count()), 0,
                            "Newton steps for stick and slip, in S"};
-    costs["contact"] = {fmt::format("for {} candidates", pairs->count()),
-                        stepper.solver().memory().condensation,
-                        "without contact: check of the gaps; in contact: one inequality"};
+    costs["contact"] = {
+        fmt::format("for {} candidates", pairs->count()), stepper.solver().memory().condensation,
+        pairs->rows().act_open() ? "one inequality"
+                                 : "without contact: check of the gaps; in contact: one inequality"};
     if (stepper.predictor())
       costs["contact-stabilized"] = {"the factor of M", stepper.predictor_bytes(),
                                      "in contact: one inequality with M"};
@@ -190,7 +191,7 @@ StepTimes time_steps(const problem::Problem& problem, int steps) {
       problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
       [&](const trajectory::Frame& frame) {
         const double seconds = seconds_since(start);
-        const bool touches = !frame.contact.closed().empty();
+        const bool touches = !frame.contact.closed_set().empty();
         if (frame.step.k > 0) {
           (touches ? times.contact : times.free) += seconds;
           ++(touches ? times.contact_steps : times.free_steps);

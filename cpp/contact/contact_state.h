@@ -65,7 +65,8 @@ struct LawEquation {
 /// same on every rank. The size of the data grows with the number of candidates in contact, not with the
 /// number m of all candidates.
 struct ContactLinearisation {
-  /// Active set A = S ∪ W; with Tresca friction, which acts without contact, all of its candidates too.
+  /// Candidates with multipliers and equations: A = S ∪ W and, with Tresca friction, which acts without
+  /// contact, all of its candidates. Those in contact are closed_set().
   ActiveSet active;
   std::vector<double> forces; ///< ρ of all rows of active groups: τ²/2 times the nodal contact forces
   /// Linearised contact laws of the active groups. Empty if all laws are symmetric: then each active group
@@ -77,8 +78,8 @@ struct ContactLinearisation {
 
   /// Whether the candidate active[j] is in contact.
   [[nodiscard]] bool closed(std::size_t j) const { return equations.empty() || equations[j].closed; }
-  /// Candidates in contact, ascending.
-  [[nodiscard]] ActiveSet closed() const {
+  /// Candidates in contact, ascending: S ∪ W.
+  [[nodiscard]] ActiveSet closed_set() const {
     ActiveSet set;
     for (std::size_t j = 0; j < active.size(); ++j)
       if (closed(j))
@@ -112,7 +113,9 @@ struct ContactState : ContactLinearisation {
       : lambda(static_cast<std::size_t>(rows)), gap(static_cast<std::size_t>(rows)),
         status(static_cast<std::size_t>(m), Status::open) {
     active.reserve(static_cast<std::size_t>(m));
-    forces.reserve(static_cast<std::size_t>(m));
+    forces.reserve(static_cast<std::size_t>(rows));
+    if (rows > m)
+      equations.reserve(static_cast<std::size_t>(m));
     weak.reserve(static_cast<std::size_t>(m));
     predictor.reserve(static_cast<std::size_t>(m));
   }

@@ -140,6 +140,7 @@ public:
     }
     if (equation_.weak && !(compliance.normal * rho[0] > U[0]))
       equation.open(compliance.normal);
+    equation.weak = equation.limit = false; // of the piece that is selected
     return true;
   }
 

@@ -16,7 +16,7 @@ public:
 
   /// Law of each group.
   [[nodiscard]] const std::vector<const Law*>& laws() const { return laws_; }
-  /// Coefficient of friction of each group.
+  /// Friction of each group, as ContactState::friction.
   [[nodiscard]] const std::vector<double>& friction() const { return friction_; }
 
   /// Replaces the active set, the forces and the equations of `contact`, that of the constructor, by those on

@@ -24,7 +24,7 @@ std::array<double, 2> beyond_bound(std::span<const double> rho, std::span<const 
 
 /// The tangential rows of a law's equation at multipliers σ̂ that exceed the bound s by the slip. A group
 /// sticks if `slips` is false. Otherwise σ = s d + ζ P (σ − U_t/compliance) with ζ = s/|σ̂|, d = σ̂/|σ̂| and
-/// P = I − d dᵀ. There s = `bound` at σ̂, and s = coefficient λ + constant in the equation. The rows are in m.
+/// P = I − d dᵀ. Here s = `bound` at σ̂, and in the equation s = coefficient λ + constant. Rows are in m.
 struct Tangential {
   double bound, coefficient, constant;
   std::span<const double> sigma;
@@ -71,10 +71,14 @@ bool Friction::holds(std::span<const double> rho, std::span<const double> U, dou
                      double gap) const {
   const std::span<const double> sigma = rho.subspan(1), slip = U.subspan(1);
   const double size = length(sigma), slack = bound(friction, rho[0]) - size;
-  // σ and the slip −U_t have one direction: |σ| |U_t| + σ·U_t = 0.
-  const double across = size * length(slip) + product(sigma, slip);
+  // σ and the slip −U_t have one direction: |σ| |U_t| + σ·U_t = 0, or σ is the bound times that of the slip.
+  const double way = length(slip), across = size * way + product(sigma, slip);
+  std::array<double, 2> defect{};
+  for (std::size_t c = 0; c < sigma.size() && way > 0; ++c)
+    defect[c] = sigma[c] + bound(friction, rho[0]) * slip[c] / way;
+  const bool aligned = across <= gap * size || length(defect) <= force;
   return unilateral.holds(rho, U, friction, force, gap) && slack >= -force &&
-         (length(slip) <= gap || (slack <= force && (size <= force || across <= gap * size)));
+         (way <= gap || (slack <= force && (size <= force || aligned)));
 }
 
 Friction::Place Friction::place(std::span<const double> rho, std::span<const double> U, double friction,

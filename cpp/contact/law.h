@@ -55,9 +55,9 @@ public:
   /// result `lambda` and `gap`. `closed`: whether the row was in the active set of this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: about that
-  /// of the step. Returns false if the step opens the group; its multipliers then
-  /// become zero, and `equation` is not used.
+  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: diagonal entries of S
+  /// of the group, the mean of those of its tangents; they need not be exact. Returns false if the step opens
+  /// the group; its multipliers then become zero, and `equation` is not used.
   [[nodiscard]] virtual bool newton_equation(std::span<const double> rho, std::span<const double> U,
                                              Compliance compliance, double friction,
                                              LawEquation& equation) const = 0;
@@ -76,7 +76,8 @@ public:
                                       double gap) const = 0;
 
   /// Linearises the law of an active group in contact at its solution (ρ, U): E δU + F δρ = 0. Slips up to
-  /// `gap` (m) count as zero. `compliance`: scales the rows.
+  /// `gap` (m) count as zero. `compliance`: as for newton_equation(); it scales
+  /// the rows.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
                                                Compliance compliance, double friction, double gap) const = 0;
 

@@ -230,7 +230,7 @@ Projectors directions_without_mass(const fem::Space& space, const ContactPairs& 
   Projectors found;
   for (int i = 0; i < pairs.count(); ++i) {
     const PetscInt node = pairs.first_dofs()[i] / pairs.dim();
-    if (!faces[i])
+    if (!faces[i] && !pairs.rows().law(i).acts_open())
       continue;
     if (mass(i) == scene::ContactMass::massless)
       bases.try_emplace(node, pairs.rows()).first->second.add(i);
@@ -280,10 +280,10 @@ Combination combination(PetscInt node, const Surroundings& here, const Projector
 } // namespace
 
 petsc::Matrix velocity_extrapolation(const fem::Space& space, const ContactPairs& pairs,
-                                     const std::vector<scene::Contact>& contacts, Mat M) {
+                                     const std::vector<scene::Contact>& contacts, Mat pattern) {
   const int dim = space.dim();
   petsc::Matrix rows;
-  check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
+  check(MatConvert(pattern, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 

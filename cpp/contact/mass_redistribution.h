@@ -11,12 +11,13 @@ namespace signorini::contact {
 /// reproduces velocity fields that are linear in space, so that the mass, its first moments and the moments
 /// of inertia are unchanged. Where the nearby nodes do not suffice for this, E reproduces constant fields and
 /// only the mass is unchanged. Candidates at which the boundary faces away from the obstacle cannot touch it
-/// and keep their mass.
+/// and keep their mass, except with Tresca friction, which acts there too.
 ///
-/// `contacts`: of the scene, one for each obstacle of `pairs`; `M`: a mass matrix. The matrix is stored by
-/// rows (AIJ). Collective. Throws UserError if no node near a candidate keeps its mass.
+/// `contacts`: of the scene, one for each obstacle of `pairs`; `pattern`: any matrix with the pattern of a
+/// mass matrix. The matrix is stored by rows (AIJ). Collective. Throws UserError if no node near a candidate
+/// keeps its mass.
 petsc::Matrix velocity_extrapolation(const fem::Space& space, const ContactPairs& pairs,
-                                     const std::vector<scene::Contact>& contacts, Mat M);
+                                     const std::vector<scene::Contact>& contacts, Mat pattern);
 
 /// Returns the redistributed mass matrix EᵀME in blocks (BAIJ), with the pattern of M and entries between the
 /// nodes used for extrapolation. Collective.

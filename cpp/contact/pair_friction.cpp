@@ -97,7 +97,7 @@ void ContactPairs::set_tresca_areas(const fem::Space& space, const std::vector<s
 }
 
 void ContactPairs::friction(double t, double impulse, std::vector<double>& friction) const {
-  friction.assign(at_start_.begin(), at_start_.end());
+  friction.assign(friction_at_start_.begin(), friction_at_start_.end());
   if (friction_varies_)
     evaluate_friction(t, friction);
   for (std::size_t i = 0; i < tresca_areas_.size(); ++i)

@@ -242,8 +242,8 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   rows_.emplace(comm_, groups, space.first_dof(), end);
   if (rows_->symmetric())
     return;
-  at_start_.resize(psi_.size());
-  evaluate_friction(0, at_start_);
+  friction_at_start_.resize(psi_.size());
+  evaluate_friction(0, friction_at_start_);
   on_all_ranks(comm_, [&] {
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)

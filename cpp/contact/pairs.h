@@ -167,7 +167,8 @@ private:
   /// Coefficient or bound of friction, and surface velocity, of each obstacle; absent without friction or
   /// motion.
   std::vector<std::optional<scene::Field>> friction_, surface_velocity_;
-  std::vector<double> at_start_;     ///< evaluate_friction() at t = 0 (m entries); empty without friction
+  std::vector<double>
+      friction_at_start_;            ///< evaluate_friction() at t = 0 (m entries); empty without friction
   std::vector<double> tresca_areas_; ///< ∫ φ_i of pairs with Tresca friction, else 0; empty without it
   bool friction_varies_ = false;     ///< whether friction depends on t
   std::vector<std::size_t> moving_;  ///< numbers of the obstacles that move

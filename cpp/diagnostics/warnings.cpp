@@ -203,7 +203,7 @@ Alternations alternations(const std::vector<contact::ContactLinearisation>& cont
   Alternations found;
   std::vector<contact::ActiveSet> closed;
   for (const contact::ContactLinearisation& step : contact)
-    closed.push_back(step.closed());
+    closed.push_back(step.closed_set());
   for (std::size_t k = 1; k < closed.size(); ++k) {
     const auto has = [&](std::size_t step, int i) { return std::ranges::binary_search(closed[step], i); };
     found.closed += static_cast<int>(closed[k].size());

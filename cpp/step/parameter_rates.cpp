@@ -21,7 +21,7 @@ struct ParameterRates::Rate {
   std::optional<contact::ContactPairs::Rates> pairs;
   int obstacle = 0;
   bool friction = false;                        ///< whether the friction of `obstacle` is unknown
-  double coefficient = 0;                       ///< value of its coefficient or bound
+  double friction_value = 0;                    ///< its coefficient or bound
   std::optional<scene::Field> surface_velocity; ///< derivative of that of `obstacle`
   scene::ObstacleRate obstacle_rate;
   petsc::Vector y0, v0;
@@ -68,7 +68,7 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
       break;
     case friction:
       rate.friction = true;
-      rate.coefficient = values[j];
+      rate.friction_value = values[j];
       rate.obstacle = static_cast<int>(scene::contact_of(scene, unknown));
       break;
     case surface_velocity:
@@ -375,7 +375,7 @@ bool ParameterRates::law(std::size_t j, std::span<double> c) const {
       for (std::size_t row = 1; row < k; ++row)
         for (std::size_t other = 1; other < k; ++other)
           c[pairs.rows().row(i, row)] +=
-              contact.equations[n].F[row * k + other] * contact.forces[at + other] / rate.coefficient;
+              contact.equations[n].F[row * k + other] * contact.forces[at + other] / rate.friction_value;
     at += k;
   }
   return true;

@@ -191,17 +191,8 @@ Vec predicted(const Scheme& scheme, const State& from, Vec work) {
   return work;
 }
 
-} // namespace
-
-void Stepper::extrapolate(Vec v, Vec work) const {
-  if (!velocity_extrapolation_)
-    return;
-  check(MatMult(velocity_extrapolation_, v, work));
-  check(VecCopy(work, v));
-}
-
-void Stepper::set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to,
-                           Workspace& work) const {
+/// Sets the velocity v = rate() (y_k − y_{k−1} − j) − v_{k−1} after a step, rate() = 2/τ (4.22).
+void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
   const double rate = scheme.rate();
   {
     const petsc::ReadArray before(from.y()), after(to.y()), velocity(from.v());
@@ -211,7 +202,15 @@ void Stepper::set_velocity(const Scheme& scheme, const State& from, Vec jump, co
   }
   if (jump)
     check(VecAXPY(to.v(), -rate, jump));
-  extrapolate(to.v(), work.moved);
+}
+
+} // namespace
+
+void Stepper::extrapolate(Vec v, Vec work) const {
+  if (!velocity_extrapolation_)
+    return;
+  check(MatMult(velocity_extrapolation_, v, work));
+  check(VecCopy(work, v));
 }
 
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
@@ -248,10 +247,11 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     }
   } else
     with.solver->linear().solve(work.r, out.to.y());
-  set_velocity(scheme, in.from, jump, out.to, work); // (4.22)
+  set_velocity(scheme, in.from, jump, out.to); // (4.22)
   set_branches(scheme, in.from, out.to);
   if (moving_clamps_)
     moving_clamps_->copy(work.moving_clamps->velocity, out.to.v());
+  extrapolate(out.to.v(), work.moved);
   PetscReal size = 0;
   check(VecNorm(out.to.v(), NORM_2, &size));
   if (!std::isfinite(size))
@@ -335,7 +335,8 @@ void Stepper::linearised_step(const LinearisedStep& step, const contact::Contact
   const Vec jump = linearised_right_hand_side(step, contact, work);
   solve_on_active_set(step.scheme.tau, Direction::linearised, contact,
                       with_slip(step.normal, step.from, work), step.to.y(), step.multipliers, work, step.law);
-  set_velocity(step.scheme, step.from, jump, step.to, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
+  extrapolate(step.to.v(), work.moved);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
 }
@@ -349,7 +350,8 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
     solve_one_sided_slip(step, contact, work);
   else
     solve_one_sided(step.scheme, contact, step.to.y(), work);
-  set_velocity(step.scheme, step.from, jump, step.to, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
+  extrapolate(step.to.v(), work.moved);
   set_branches(step.scheme, step.from, step.to);
   ++linearised_steps;
 }

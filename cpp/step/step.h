@@ -246,9 +246,6 @@ private:
   void move_mass(const scene::Scene& scene);
   /// Sets up the projection of the predictor.
   void add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives, double solves);
-  /// Sets the velocity v = rate() (y_k − y_{k−1} − j) − v_{k−1} after a step (4.22), or E v.
-  void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to,
-                    Workspace& work) const;
   /// Sets work.r = R x + a M z + b source on the free dofs and zero on the clamped ones, for steps and
   /// transposed steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;

@@ -25,7 +25,7 @@ end = {end}
 step = {step}
 [material]
 density = 1000.0
-young = 1e10
+young = 1e12
 poisson = 0.3
 [contact]
 on = "bottom"
@@ -51,7 +51,7 @@ BLOCKS = {
 BOUNDS = {2: 3e4, 3: 3e4}
 
 
-def slide(dim: int, folder: Path, scheme: str, height: float = 0, count: float = 21.25, ranks: int = 1, **values: object) -> Path:
+def slide(dim: int, folder: Path, scheme: str, height: float = 0, count: float = 8.25, ranks: int = 1, **values: object) -> Path:
     """Runs a block at a height above the floor by steps, `count` of which take it to its stop."""
     block, step = BLOCKS[dim], DECELERATION**-1 / count
     keys = {"degree": 1, "bound": BOUND, "step": step, "end": step * np.ceil(count + 2), "point": [-height * n for n in block["normal"]]}
@@ -77,8 +77,8 @@ def test_stopping(dim: int, degree: int, height: float, scheme: str, tmp_path: P
     steps, probe = table(out / "steps.csv"), table(out / "probes.csv")
     slides = steps["time"] < 1 / DECELERATION
     t = steps["time"][slides]
-    assert slides.sum() == 22 and (steps["active"].max() > 0) == (height == 0) == (steps["normal_force"].max() > 0)
-    rounding = {2: 1e-8, 3: 1e-6}[dim]  # in space nodes slip in slightly different directions, since the block deforms
+    assert slides.sum() == 9 and (steps["active"].max() > 0) == (height == 0) == (steps["normal_force"].max() > 0)
+    rounding = {2: 1e-6, 3: 1e-6}[dim]  # in space nodes slip in slightly different directions, since the block deforms
     force = along(dim, steps, "contact_force")
     assert force[slides][1:] == pytest.approx(-BOUND, rel=rounding)
     assert along(dim, probe, "block.momentum")[slides] == pytest.approx(MASS * (1 - DECELERATION * t), abs=rounding * MASS)
@@ -86,7 +86,7 @@ def test_stopping(dim: int, degree: int, height: float, scheme: str, tmp_path: P
     path -= path[0]
     assert path[slides] == pytest.approx(t - DECELERATION * t**2 / 2, abs=rounding)
     missing = DECELERATION * (t[1] / 4) ** 2 / 2
-    assert path[-1] == pytest.approx(1 / (2 * DECELERATION) - missing, abs=5e-2 * missing)
+    assert path[-1] == pytest.approx(1 / (2 * DECELERATION) - missing, abs=1e-2 * missing)
     assert steps["stick"][slides].max() == 0 < steps["stick"][slides.sum()]
 
 

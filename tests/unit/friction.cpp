@@ -167,7 +167,7 @@ TEST_CASE("Tresca friction: one-sided derivatives where candidates may open, and
   REQUIRE(test::difference(y, found) < 1e-11 * test::largest(y));
   CHECK(at.weak == contact::ActiveSet{1, 2, 3, 4});
   REQUIRE(at.active.size() == static_cast<std::size_t>(m));
-  CHECK(at.contact::ContactLinearisation::closed() == contact::ActiveSet{1, 2, 3});
+  CHECK(at.contact::ContactLinearisation::closed_set() == contact::ActiveSet{1, 2, 3});
   CHECK(at.motion(0) == Motion::slips);
 
   int opened = 0, closed = 0, slipped = 0, stuck = 0;
@@ -245,7 +245,7 @@ TEST_CASE("friction keeps the laws of energy and momentum, and no bounce gains e
       CHECK((bounce % 2 || step.belt_work == 0));
       slips += motion.contact[k].count(Motion::slips);
       sticks += motion.contact[k].count(Motion::sticks);
-      free += motion.contact[k].closed().empty();
+      free += motion.contact[k].closed_set().empty();
       tangled += step.contact_work > 0;
     }
   }
@@ -338,4 +338,35 @@ TEST_CASE("friction is refused beside nodes whose constraints depend on each oth
   const std::string top = ", {on=\"top\", obstacle={shape=\"half-space\", point=[0, 9], normal=[0, -1]}";
   CHECK(pairs(top + "}") > 0);
   CHECK_THROWS_AS(pairs(top + ", friction=0.2}"), UserError);
+}
+
+TEST_CASE("without tangential mass velocities are extrapolated, also from clamps that move", "[forward]") {
+  const bool bounded = GENERATE(false, true);
+  // A bound acts on the upper side too, where the boundary faces away from the obstacle.
+  const test::Ready ready(
+      "tests/data/block.toml",
+      with(schemes.back(),
+           {bounded ? "contact.friction={bound=0.2}" : "contact.friction=0.3",
+            bounded ? "contact.on=top" : "contact.on=bottom",
+            "clamp=[{on=\"left\", value=[\"0.1*sin(3*t)^2\", \"-0.1*t^2\"]}]", "initial={}"}));
+  const step::Stepper& stepper = ready.problem.stepper;
+  const petsc::Vector projected = ready.problem.space.vector();
+  double moved = 0;
+  trajectory::integrate(stepper, ready.problem.grid, ready.problem.initial, ready.problem.load(),
+                        [&](const trajectory::Frame& frame) {
+                          check(MatMult(stepper.velocity_extrapolation(), frame.after.v(), projected));
+                          const double size = test::largest(frame.after.v());
+                          CHECK(test::difference(projected, frame.after.v()) <= 1e-12 * size);
+                          moved = std::max(moved, size);
+                        });
+  CHECK(moved > 0.1);
+  // The rows of E that are not those of the identity belong to candidates.
+  petsc::Vector one = ready.problem.space.vector();
+  const auto rows = static_cast<std::size_t>(stepper.rows());
+  std::vector<double> tangential(rows);
+  tangential.back() = 1;
+  stepper.pairs()->rows().apply(1, tangential, one);
+  check(MatMult(stepper.velocity_extrapolation(), one, projected));
+  CHECK(test::largest(one) > 0.1);
+  CHECK(test::largest(projected) < 1e-14);
 }

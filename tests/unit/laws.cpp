@@ -266,18 +266,17 @@ TEST_CASE("each method for friction finds what obeys the laws", "[contact]") {
     body.friction = 0;
     body.friction = friction * test::largest(body.solve(body.force(0), y).normal_lambda());
   }
-  int iterations = 0, stick = 0, slip = 0;
+  int own = 0, stick = 0, slip = 0;
   for (int which = 0; which < 20; ++which) {
     const petsc::Vector r = body.force(which), y = body.parts.space.vector();
     contact::ContactState state(body.H.groups(), body.H.count());
     state.friction.assign(static_cast<std::size_t>(body.H.groups()), body.friction);
     S.predict_gap(r, {y, {}}, body.psi, work.gap0, work.half_solve);
     const double negligible = 1e-12 * test::largest(work.gap0);
-    solver.solve({}, negligible, state, work, method);
+    own += solver.solve({}, negligible, state, work, method) == method;
     CHECK(solver.residual(state) <= negligible);
     S.finish(body.psi, state.lambda, state.gap, y, work);
     body.obeyed(state, r, y);
-    iterations += state.vi_iterations;
     // all methods find the same
     const petsc::Vector z = body.parts.space.vector();
     const contact::ContactState other = body.solve(r, z);
@@ -287,5 +286,5 @@ TEST_CASE("each method for friction finds what obeys the laws", "[contact]") {
   }
   CHECK(slip > 0);
   CHECK(stick + slip >= 20);
-  CHECK((iterations > 0 || method == Method::pivots));
+  CHECK((own >= 18 || (method == Method::pivots && (space || bounded)))); // Lemke's method is for the plane
 }

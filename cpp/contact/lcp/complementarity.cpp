@@ -81,7 +81,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance, dou
   check(VecNorm(y, NORM_INFINITY, &size));
   // A residual of the laws allows forces that move their node by twice as much, as a normal and as a
   // tangential force.
-  const double motion = std::max(negligible_motion(state.lambda, size, tolerance), 2 * residual);
+  const double motion =
+      std::max(negligible_motion(state.lambda, size, tolerance), std::min(2 * residual, gap_tolerance_));
   // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (diameter_ + size));
   double penetration = 0, adhesion = 0, distance = 0;

@@ -136,7 +136,8 @@ bool LawSolver::settle(double negligible, ContactState& state, Workspace& work, 
 }
 
 bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) const {
-  constexpr double first = 1, least = 1e-10, largest_ratio = 10, least_ratio = 1.05, loose = 1e4;
+  constexpr double first = 1, softest = 1e8, least = 1e-10, largest_ratio = 10, least_ratio = 1.05,
+                   loose = 1e4;
   constexpr int most = 600;
   double softness = first, solved = 0, ratio = largest_ratio;
   std::vector<double> lambda;
@@ -148,13 +149,21 @@ bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) 
       lambda = state.lambda;
       solved = softness;
       ratio = std::min(largest_ratio, ratio * std::sqrt(ratio));
+    } else if (solved == 0) { // with softer contacts the candidates hardly interact
+      softness *= largest_ratio * largest_ratio;
+      if (softness > softest)
+        return false;
+      start({}, state, work);
+      continue;
     } else {
       ratio = std::sqrt(ratio);
-      if (solved == 0 || ratio < least_ratio)
+      if (ratio < least_ratio)
         return false;
       start(lambda, state, work);
     }
     softness = solved / ratio < least ? 0 : solved / ratio;
+    if (hard && softness == 0)
+      return false;
   }
   return false;
 }
@@ -297,8 +306,8 @@ bool LawSolver::solve_by(Method method, double negligible, ContactState& state, 
   return false;
 }
 
-void LawSolver::solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
-                      Method first) const {
+LawSolver::Method LawSolver::solve(std::span<const double> guess, double negligible, ContactState& state,
+                                   Workspace& work, Method first) const {
   std::vector<int> rows;
   for (int i = 0; i < rows_.groups(); ++i) {
     const std::array<double, 3> U = rows_.of_group(i, work.gap0);
@@ -315,7 +324,7 @@ void LawSolver::solve(std::span<const double> guess, double negligible, ContactS
       continue;
     start(method == newton ? guess : std::span<const double>(), state, work);
     if (solve_by(method, negligible, state, work))
-      return;
+      return method;
   }
   fail(state);
 }

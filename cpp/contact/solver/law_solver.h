@@ -10,7 +10,7 @@ struct LawFailure : SolverFailure {
   LawFailure(const std::string& message, int group, double friction, double critical)
       : SolverFailure(message), group(group), friction(friction), critical(critical) {}
   int group;       ///< number of the candidate
-  double friction; ///< its coefficient of friction
+  double friction; ///< as ContactState::friction
   double critical; ///< coefficient from which on a contact of this candidate alone has several solutions
 };
 
@@ -35,9 +35,9 @@ public:
 
   /// Computes the multipliers and gaps of `state`, whose `friction` is given, for the predicted gaps
   /// `work.gap0` (m), to a residual of at most `negligible` (m). `guess`: multipliers to start from, or
-  /// empty. Collective. Throws LawFailure.
-  void solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
-             Method first = Method::newton) const;
+  /// empty. Returns the method that succeeded. Collective. Throws LawFailure.
+  Method solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
+               Method first = Method::newton) const;
   /// Takes one Newton step from the multipliers and gaps of `state`. Collective.
   void newton_step(ContactState& state, Workspace& work) const { newton_step(state, work, 0); }
   /// Returns the largest residual of a law, m.
@@ -75,9 +75,9 @@ private:
   /// Takes Newton steps until the residual is negligible; gives up after twenty, or when they cycle. Returns
   /// whether the residual is negligible. Collective.
   bool settle(double negligible, ContactState& state, Workspace& work, double softness = 0) const;
-  /// Solves with softness 1, then with ever less down to zero, each time from the solution before. The ratio
-  /// of two values is at most ten, and smaller where Newton steps do not settle. Returns whether the residual
-  /// is negligible. Collective.
+  /// Solves with softness 1, or the least larger one that is solved, then with ever less down to zero, each
+  /// time from the solution before. The ratio of two values is at most ten, and smaller where Newton steps do
+  /// not settle. Returns whether the residual is negligible. Collective.
   bool harden(double negligible, ContactState& state, Workspace& work) const;
   /// Makes up to `most` sweeps of a block Gauss–Seidel iteration over the groups. Collective.
   void sweep(int most, double negligible, ContactState& state, Workspace& work) const;

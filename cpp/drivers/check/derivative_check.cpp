@@ -287,7 +287,7 @@ private:
   [[nodiscard]] bool contact_occurs() const {
     return std::ranges::any_of(
         problem_.trajectory().contact(),
-        [](const contact::ContactLinearisation& state) { return !state.closed().empty(); });
+        [](const contact::ContactLinearisation& state) { return !state.closed_set().empty(); });
   }
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
