@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from harness import SOURCE, signorini, table
+from studies import study
 
 SCHEMES = {
     "contact-implicit": {},
@@ -178,6 +179,21 @@ def test_moving_frame(scheme: str, tmp_path: Path) -> None:
         assert steps["contact_work"] - steps["belt_work"] == pytest.approx(steps["friction_work"], abs=1e-9)
         assert (steps["contact_work"] - steps["belt_work"]).max() <= 1e-12 * steps["belt_work"].max()
     assert not runs[2]["belt_work"].any()
+
+
+def test_study(tmp_path: Path) -> None:
+    """Displacements of a block that slides converge with the steps."""
+    values = {"end": 0.2, "young": 1e6, "beta": 1e-3, "point": "[0, 0]", "surface": "", "speed": 1}
+    scene = tmp_path / "slides.toml"
+    scene.write_text(BLOCK.format(mesh=SOURCE / "meshes" / "block.geo", step=2e-3, **values))
+    study(scene, tmp_path / "study", "--sizes", "0.25", "--steps", "8e-3,4e-3,2e-3,1e-3", "--quantity", "displacement")
+    rows = table(tmp_path / "study" / "study.csv")
+    assert len(rows["step"]) == 4 and (rows["scheme"] == "contact-implicit").all()
+    errors = rows["displacement_error"]
+    print(errors)
+    assert errors[0] > 2 * errors[1] > 0
+    slipping = table(block(tmp_path, "run", **values | {"step": 1e-3}) / "steps.csv")
+    assert slipping["slip"].sum() > 100
 
 
 @each_scheme

@@ -136,6 +136,19 @@ def test_chosen_steps(tmp_path: Path) -> None:
     assert lengths.max() > 1.5 * lengths.min(), "all are of one length"
 
 
+@pytest.mark.parametrize("friction", ("0.3", '{bound="1e5"}'))
+def test_friction(friction: str, tmp_path: Path) -> None:
+    """A coefficient and a bound, on a belt, without tangential mass."""
+    rubbed = {"contact__friction": friction, "contact__obstacle__surface_velocity": '["100", "0"]', "contact__mass": "massless-tangential", "time__scheme": "contact-stabilized"}
+    reference, out = tmp_path / "whole", tmp_path / "resumed"
+    complete(reference, **rubbed, optimizer__max_iterations="8")
+    complete(out, **rubbed, optimizer__max_iterations="3")
+    assert "resumed after iteration 3" in complete(out, "--resume", **rubbed, optimizer__max_iterations="8")
+    assert results(out) == results(reference)
+    steps = table(reference / "steps.csv")
+    assert steps["slip"].sum() > 20 and steps["friction_work"].sum() < 0, "hardly any friction: the case says nothing"
+
+
 @pytest.fixture(scope="module")
 def on_ranks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A search from one rank to two, to three and back."""

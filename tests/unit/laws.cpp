@@ -8,7 +8,9 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators_all.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
+#include <random>
 
 using namespace signorini;
 using petsc::check;
@@ -287,4 +289,109 @@ TEST_CASE("each method for friction finds what obeys the laws", "[contact]") {
   CHECK(slip > 0);
   CHECK(stick + slip >= 20);
   CHECK((own >= 18 || (method == Method::pivots && (space || bounded)))); // Lemke's method is for the plane
+}
+
+namespace {
+
+/// A given matrix S, of a body that is not there.
+class GivenCondensation final : public contact::WholeCondensation {
+public:
+  GivenCondensation(const contact::ConstraintRows& rows, std::vector<double> S) : WholeCondensation(rows) {
+    S_ = std::move(S);
+  }
+  [[nodiscard]] contact::HalfSolve half_solve() const override { return {}; }
+  void predict(Vec, const contact::Guess&, contact::HalfSolve&, std::span<double>) const override {
+    throw std::logic_error("there is no body");
+  }
+  void finish(contact::HalfSolve&, std::span<const double>, Vec) const override {
+    throw std::logic_error("there is no body");
+  }
+  [[nodiscard]] double bytes() const override { return 0; }
+};
+
+/// Random rows of m candidates with friction, and a symmetric positive definite S with strong couplings.
+struct RandomProblem {
+  contact::ConstraintRows rows;
+  std::vector<double> S, gap0;
+
+  RandomProblem(int m, int dim, std::mt19937& generator)
+      : rows(MPI_COMM_SELF, groups(m, dim), 0, m * dim), S(static_cast<std::size_t>(m * dim * m * dim)) {
+    std::normal_distribution<double> normal;
+    const auto n = static_cast<std::size_t>(m * dim);
+    std::vector<double> B(n * n);
+    for (double& entry : B)
+      entry = normal(generator);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        S[i * n + j] = i == j ? 0.1 : 0;
+        for (std::size_t k = 0; k < n; ++k)
+          S[i * n + j] += B[i * n + k] * B[j * n + k] / static_cast<double>(n);
+      }
+    for (std::size_t i = 0; i < n; ++i)
+      gap0.push_back(normal(generator) - (i < static_cast<std::size_t>(m) ? 0.5 : 0));
+  }
+
+  static std::vector<contact::ConstraintRows::Group> groups(int m, int dim) {
+    std::vector<contact::ConstraintRows::Group> all;
+    for (int i = 0; i < m; ++i) {
+      const auto row = [&](int c) {
+        std::vector<contact::ConstraintRows::Entry> entries;
+        for (int k = 0; k < dim; ++k)
+          entries.push_back({i * dim + k, k == c ? 1.0 : 0.0, false});
+        return entries;
+      };
+      all.push_back({.entries = row(0), .law = &contact::coulomb});
+      for (int c = 1; c < dim; ++c)
+        all.back().others.push_back(row(c));
+    }
+    return all;
+  }
+};
+
+} // namespace
+
+TEST_CASE("random problems with strong couplings are solved", "[contact]") {
+  const int dim = GENERATE(2, 3);
+  CAPTURE(dim);
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  long iterations = 0;
+  int failed = 0, stick = 0, slip = 0, open = 0, most = 0;
+  constexpr int problems = 1000;
+  for (int which = 0; which < problems; ++which) {
+    const RandomProblem problem(3 + which % 10, dim, generator);
+    const contact::DelassusOperator S(problem.rows,
+                                      std::make_unique<GivenCondensation>(problem.rows, problem.S));
+    const contact::LawSolver solver(problem.rows, S);
+    contact::Workspace work = S.workspace();
+    work.gap0 = problem.gap0;
+    const double friction = 0.05 * std::pow(60, uniform(generator)); // up to 3
+    contact::ContactState state(problem.rows.groups(), problem.rows.count());
+    state.friction.assign(static_cast<std::size_t>(problem.rows.groups()), friction);
+    constexpr double negligible = 1e-12;
+    try {
+      solver.solve({}, negligible, state, work);
+    } catch (const contact::LawFailure&) {
+      ++failed;
+      CHECK(friction > 1);
+      continue;
+    }
+    iterations += state.vi_iterations;
+    most = std::max(most, state.vi_iterations);
+    for (int i = 0; i < problem.rows.groups(); ++i) {
+      const std::array<double, 3> rho = problem.rows.of_group(i, state.lambda),
+                                  U = problem.rows.of_group(i, state.gap);
+      const std::size_t k = problem.rows.size(i);
+      constexpr double rounding = 1e-9;
+      CHECK(contact::coulomb.holds({rho.data(), k}, {U.data(), k}, friction, rounding, rounding));
+      const double way = contact::length(std::span(U).subspan(1, k - 1));
+      (rho[0] <= rounding ? open : way > rounding ? slip : stick) += 1;
+    }
+  }
+  INFO(fmt::format("{} of {} problems failed; {:.2f} iterations, at most {}; {} open, {} stick, {} slip",
+                   failed, problems, static_cast<double>(iterations) / problems, most, open, stick, slip));
+  CHECK(failed <= 2);
+  CHECK(stick > problems / 2);
+  CHECK(slip > problems / 2);
+  CHECK(open > problems / 2);
 }
