@@ -234,7 +234,8 @@ void RungCache::remove(const std::string& name) const {
   std::filesystem::remove(folder_ / name, absent);
 }
 
-std::string csv(const std::vector<RungResult>& results, const std::vector<Errors>& errors, double end) {
+std::string csv(const scene::Scene& scene, const std::vector<RungResult>& results,
+                const std::vector<Errors>& errors) {
   std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes,tolerance,graded";
   for (const Errors& one : errors)
     text +=
@@ -248,11 +249,11 @@ std::string csv(const std::vector<RungResult>& results, const std::vector<Errors
     const auto& [rung, run] = results[i];
     if (!run)
       continue;
-    const auto [scheme, mass] = scheme_and_mass(rung.scheme);
+    const auto [scheme, mass] = scheme_and_mass(scene, rung.scheme);
     text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f},{},{:d}", i + 1, rung.size,
-                        end / run->steps, rung.degree, scheme, mass, run->unknowns, run->steps, run->seconds,
-                        run->memory, rung.has_varying_steps() ? fmt::format("{:.17g}", rung.tolerance) : "",
-                        rung.graded);
+                        scene.time.end / run->steps, rung.degree, scheme, mass, run->unknowns, run->steps,
+                        run->seconds, run->memory,
+                        rung.has_varying_steps() ? fmt::format("{:.17g}", rung.tolerance) : "", rung.graded);
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
       text += fmt::format(
@@ -301,7 +302,7 @@ std::string json(const scene::Scene& scene, const std::vector<RungResult>& resul
                                              {"bar", given(one.bar)}};
   json["orders"] = nlohmann::ordered_json::array();
   for (const Orders& one : orders) {
-    const auto [scheme, mass] = scheme_and_mass(one.scheme);
+    const auto [scheme, mass] = scheme_and_mass(scene, one.scheme);
     json["orders"].push_back(
         {{"quantity", one.quantity},
          {"degree", one.degree},

@@ -53,8 +53,9 @@ private:
   io::FolderLock lock_;
 };
 
-/// Text of study.csv: a row for each rung that has run. `end`: end of the motion, s.
-std::string csv(const std::vector<RungResult>& results, const std::vector<Errors>& errors, double end);
+/// Text of study.csv: a row for each rung of a study of `scene` that has run.
+std::string csv(const scene::Scene& scene, const std::vector<RungResult>& results,
+                const std::vector<Errors>& errors);
 
 /// Text of study.json: scene, quantities and orders of a study, its conclusions in words (`sentences`), and
 /// the number of its searches.

@@ -82,10 +82,17 @@ Rung Rung::with_steps(double factor) const {
   return changed;
 }
 
-SchemeAndMass scheme_and_mass(scene::ContactScheme scheme) {
-  return {scene::name(time_scheme(scheme)), scene::has_massless_candidates(scheme)
-                                                ? scene::name(scheme)
-                                                : scene::name(scene::ContactMass::consistent)};
+SchemeAndMass scheme_and_mass(const scene::Scene& scene, scene::ContactScheme scheme) {
+  const std::string in_time = scene::name(time_scheme(scheme));
+  if (scene::has_massless_candidates(scheme))
+    return {in_time, scene::name(scheme)};
+  const auto same = [&](const scene::Contact& contact) {
+    return contact.mass == scene.contacts.front().mass;
+  };
+  if (scheme != scene.contact_scheme() || scene.contacts.empty())
+    return {in_time, scene::name(scene::ContactMass::consistent)};
+  return {in_time, std::ranges::all_of(scene.contacts, same) ? scene::name(scene.contacts.front().mass)
+                                                             : scene::name(scene::ContactScheme::mixed)};
 }
 
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {

@@ -38,12 +38,12 @@ struct Choice {
   bool graded = false;                 ///< whether to run each rung also with a graded mesh
 };
 
-/// Values of time.scheme and contact.mass for a contact scheme; mass is "mixed" if it differs between
-/// contacts.
+/// Values of time.scheme and contact.mass for a contact scheme of a scene, as on_rung() sets them; mass is
+/// "mixed" if it differs between contacts.
 struct SchemeAndMass {
   std::string scheme, mass;
 };
-SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
+SchemeAndMass scheme_and_mass(const scene::Scene& scene, scene::ContactScheme scheme);
 
 /// Makes all rungs of a ladder: every size with every step or tolerance, degree and scheme. Default sizes are
 /// 1, 2 and 4 times the scene's. If the .geo sets its own sizes, sizes are factors on these; for a .msh there

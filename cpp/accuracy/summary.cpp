@@ -67,7 +67,7 @@ void Summary::write(const RungCache& store) const {
     store.remove(of_searches);
   else
     store.write(of_searches, csv(searches_));
-  store.write("study.csv", csv(results_, errors_, scene_.time.end));
+  store.write("study.csv", csv(scene_, results_, errors_));
   store.write("study.json", json(scene_, results_, searches_.size(), errors_, orders_, sentences_));
 }
 

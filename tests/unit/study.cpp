@@ -322,12 +322,21 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
   using Masses = std::vector<std::pair<bool, bool>>;
   const std::vector<double> size{0.25}, step{0.02};
   CHECK(masses({size, step, {}, {}}) == Masses{{true, false}});
-  CHECK(scheme_and_mass(all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
+  CHECK(scheme_and_mass(scene, all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
   CHECK(masses({size, step, {}, {"contact-implicit", "contact-stabilized", "massless"}}) ==
         Masses{{false, false}, {false, false}, {true, true}});
   scene.contacts[1].mass = scene::ContactMass::massless;
   CHECK(masses({size, step, {}, {}}) == Masses{{true, true}});
-  CHECK(scheme_and_mass(all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
+  CHECK(scheme_and_mass(scene, all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
+  for (scene::Contact& contact : scene.contacts)
+    contact.mass = scene::ContactMass::massless_tangential;
+  scene.time.scheme = scene::TimeScheme::contact_stabilized;
+  for (const scene::ContactScheme scheme :
+       {scene::ContactScheme::contact_stabilized, scene::ContactScheme::contact_implicit}) {
+    Rung rung = own_rung(scene);
+    rung.scheme = scheme;
+    CHECK(scheme_and_mass(scene, scheme).mass == scene::name(on_rung(scene, rung).contacts[1].mass));
+  }
 }
 
 TEST_CASE("units are those of the plane or of space, and of several obstacles each has its own quantities",
