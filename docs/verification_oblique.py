@@ -144,17 +144,17 @@ CASES = [
         is μ ρ c_p v_n, and the velocity v_t − 2 μ v_n.""",
         "closed form",
         """Tractions are those of the middle node over the middle half of the contact: means of two steps, and without tangential mass
-        simply of the steps. There the shear traction of a node that sticks alternates by 7e-4 of its mean, in the other schemes by up to
-        0.6. It rings after the front instead, by 11 % at 5 ms and below 1 % from 12 ms on; means of two steps do not change this. The layer
-        is 5 m wide: waves from its sides arrive after the contact, but for a part that the mesh lets ahead (3e-4). Dispersion spreads the
+        those of single steps. There the shear traction of a node that sticks alternates by 7e-4 of its mean, in the other schemes by up
+        to 0.6. It rings after the front instead, by 11 % at 5 ms and below 1 % from 12 ms on; means of two steps do not change this. The
+        layer is 5 m wide: waves from its sides arrive after the contact, but for a part that the mesh lets ahead (3e-4). Dispersion spreads the
         fronts over some elements, by which the impulses are 1 % too small; the mean velocity after the impact is their difference from
         the momentum before. Without tangential mass the middle node sticks in the first step even where the layer slides, which costs 8e-5
         of the impulse.""",
         oblique_layer, LAYER_RUNS),
     Case(
         "oblique-slab", "A slab hits a floor obliquely",
-        """An elastic slab, 1 m thick and 2 m wide in both directions, hits a floor as the [layer](oblique-layer.md) does. In the floor it
-        moves along the direction (0.8, 0.6). Along the floor it has 0.5 and 2 times the speed above which it slides.""",
+        """An elastic slab, 1 m thick and 2 m wide in both directions, hits a floor as the [layer](oblique-layer.md) does. Its
+        velocity along the floor has the direction (0.8, 0.6), and is 0.5 and 2 times the speed above which it slides.""",
         """That of the layer, in the middle of the slab, until waves from its sides arrive there after 10 ms. The traction is opposite to
         the motion.""",
         "closed form",

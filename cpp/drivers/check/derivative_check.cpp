@@ -158,8 +158,8 @@ private:
     return error > 0 ? std::max(1.0, std::sqrt(motion / error)) : 1;
   }
 
-  /// Compares J's slope along d, or to one side, by the linearised motion with that by the gradient, which has
-  /// rounding errors of its own, and with differences of J; returns it.
+  /// Compares J's slope along d, or to one side, by the linearised motion with that by the gradient, which
+  /// has rounding errors of its own, and with differences of J; returns it.
   double slope(Side side, std::vector<CheckRow>& rows) {
     control::Control direction = d_;
     direction.scale(side == Side::minus ? -1 : 1);
