@@ -40,12 +40,13 @@ def component(force: np.ndarray) -> np.ndarray:
 
 
 def coefficients(run: RunFolder) -> dict[str, float | None]:
-    """Returns the coefficient of each obstacle with friction by the obstacle's name; None for one that varies or is fitted."""
+    """Returns the coefficient of each obstacle with friction by the obstacle's name; None for one that varies or is fitted, and for a
+    bound of the traction."""
     given = run.scene.get("contact", [])
     tables = given if isinstance(given, list) else [given]
     found = {name: table.get("friction", 0.0) for name, table in zip(run.obstacle_names, tables)}
     unknown = any(one.get("of") == "friction" for one in run.scene.get("unknown", []))  # whose start value the scene has
-    return {name: None if unknown or isinstance(value, str) else float(value) for name, value in found.items() if value != 0}
+    return {name: None if unknown or isinstance(value, (str, dict)) else float(value) for name, value in found.items() if value != 0}
 
 
 def has_friction(run: RunFolder) -> bool:

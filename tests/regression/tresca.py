@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from harness import SOURCE, signorini, table
+from harness import SIGNORINI, SOURCE, captured, signorini, table
 
 pytest.register_assert_rewrite("regression.friction")
 from regression.friction import BODIES, SCHEMES, bounce, by_step, check_account, check_law, each_scheme  # noqa: E402
@@ -131,3 +131,11 @@ def test_ranks(dim: int, scheme: str, tmp_path: Path) -> None:
     for name in ("tangential_force", "slip_velocity"):
         found = [by_step(columns, name) for columns in contact]
         assert np.sort(found[1], axis=1) == pytest.approx(np.sort(found[0], axis=1), abs=1e-7 * abs(found[0]).max()), name
+
+
+def test_report(tmp_path: Path) -> None:
+    """The page of a run whose friction has a bound."""
+    signorini("simulate", SOURCE / "tests" / "data" / "block.toml", tmp_path / "out", contact__friction={"bound": 0.3})
+    done = captured([str(SIGNORINI), "report", str(tmp_path / "out")])
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "report.html").stat().st_size > 10_000
