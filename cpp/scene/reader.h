@@ -31,8 +31,11 @@ public:
   void require(const std::string& key) { (void)node(key); }
   /// Whether the key's value is an array.
   [[nodiscard]] bool is_array(const std::string& key) const { return table_[key].is_array(); }
-  /// Whether the key's value is a table.
-  [[nodiscard]] bool is_table(const std::string& key) const { return table_[key].is_table(); }
+  /// Whether the key's value is a table other than a time series, which stands for an expression.
+  [[nodiscard]] bool is_table(const std::string& key) const {
+    const toml::table* table = table_[key].as_table();
+    return table && !table->contains("file") && !table->contains("column");
+  }
   /// Whether the key's value is a text.
   [[nodiscard]] bool is_text(const std::string& key) const { return table_[key].is_string(); }
   /// Whether the table belongs to an array of tables, as [[material]].

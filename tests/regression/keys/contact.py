@@ -202,6 +202,18 @@ def test_friction_of_what_slides(friction: float | str, speed: float, simulate: 
     assert list(done.steps["slip"]) == list(slips.sum(axis=1)) and done.manifest["effects"]["friction"]
 
 
+@pytest.mark.key("contact.friction", "contact.friction.bound")
+@pytest.mark.parametrize("key, unit", (("contact__friction", ""), ("contact__friction__bound", " [Pa]")))
+def test_friction_from_a_series(key: str, unit: str, tmp_path: Path, simulate: Runner) -> None:
+    (tmp_path / "series.csv").write_text(f"time,friction{unit}\n0,0.1\n10,2.1\n")
+    series = {"file": str(tmp_path / "series.csv"), "column": "friction"}
+    done = simulate(**{key: series}, initial__velocity=["1", "0"], **RESTS)
+    formula = simulate(**{key: "0.1 + 0.2*t"}, initial__velocity=["1", "0"], **RESTS)
+    near(done.steps["kinetic_energy"], formula.steps["kinetic_energy"], 1e-12)
+    same(done, simulate(done.folder / "scene.toml"))
+    assert done.steps["friction_work"].sum() < 0
+
+
 @pytest.mark.key("contact.friction")
 def test_friction_of_what_sticks(simulate: Runner) -> None:
     done = simulate(contact__friction=2, initial__velocity=["0", "0"], load__body=["0.1", "-1"], **RESTS)
