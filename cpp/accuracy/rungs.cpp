@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <set>
 
 namespace signorini::accuracy {
 namespace {
@@ -13,6 +14,16 @@ namespace {
 scene::TimeScheme time_scheme(scene::ContactScheme scheme) {
   return scheme == scene::ContactScheme::contact_stabilized ? scene::TimeScheme::contact_stabilized
                                                             : scene::TimeScheme::contact_implicit;
+}
+
+/// Returns the mass of a scene's contact on rungs of a contact scheme: its own on those of the scene's
+/// scheme.
+scene::ContactMass mass_on_rung(const scene::Scene& scene, const scene::Contact& contact,
+                                scene::ContactScheme scheme) {
+  if (scheme == scene.contact_scheme())
+    return contact.mass;
+  return scheme == scene::ContactScheme::massless ? scene::ContactMass::massless
+                                                  : scene::ContactMass::consistent;
 }
 
 std::vector<scene::ContactScheme> schemes(const scene::Scene& scene, const std::vector<std::string>& given) {
@@ -83,16 +94,12 @@ Rung Rung::with_steps(double factor) const {
 }
 
 SchemeAndMass scheme_and_mass(const scene::Scene& scene, scene::ContactScheme scheme) {
-  const std::string in_time = scene::name(time_scheme(scheme));
-  if (scene::has_massless_candidates(scheme))
-    return {in_time, scene::name(scheme)};
-  const auto same = [&](const scene::Contact& contact) {
-    return contact.mass == scene.contacts.front().mass;
-  };
-  if (scheme != scene.contact_scheme() || scene.contacts.empty())
-    return {in_time, scene::name(scene::ContactMass::consistent)};
-  return {in_time, std::ranges::all_of(scene.contacts, same) ? scene::name(scene.contacts.front().mass)
-                                                             : scene::name(scene::ContactScheme::mixed)};
+  std::set<std::string> masses;
+  for (const scene::Contact& contact : scene.contacts)
+    masses.insert(scene::name(mass_on_rung(scene, contact, scheme)));
+  return {scene::name(time_scheme(scheme)), masses.empty()      ? scene::name(scene::ContactMass::consistent)
+                                            : masses.size() > 1 ? scene::name(scene::ContactScheme::mixed)
+                                                                : *masses.begin()};
 }
 
 std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {
@@ -154,10 +161,8 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
     changed.time.tolerance = rung.tolerance;
   changed.mesh.degree = rung.degree;
   changed.time.scheme = time_scheme(rung.scheme);
-  if (rung.scheme != scene::ContactScheme::mixed && rung.scheme != scene.contact_scheme())
-    for (scene::Contact& contact : changed.contacts)
-      contact.mass = rung.scheme == scene::ContactScheme::massless ? scene::ContactMass::massless
-                                                                   : scene::ContactMass::consistent;
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    changed.contacts[i].mass = mass_on_rung(scene, scene.contacts[i], rung.scheme);
   return changed;
 }
 

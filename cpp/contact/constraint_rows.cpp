@@ -36,6 +36,7 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
     add_row(group.entries);
     laws_.push_back(group.law);
     symmetric_ = symmetric_ && group.law->symmetric();
+    act_open_ = act_open_ || group.law->acts_open();
   }
   of_cluster = 0;
   const std::size_t constrained = dofs_.size();

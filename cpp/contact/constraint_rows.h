@@ -2,7 +2,6 @@
 #pragma once
 #include "base/petsc.h"
 #include "contact/law.h"
-#include <algorithm>
 #include <array>
 #include <span>
 
@@ -76,7 +75,7 @@ public:
   /// Whether all laws are symmetric.
   [[nodiscard]] bool symmetric() const { return symmetric_; }
   /// Whether some law has forces on groups that are not in contact.
-  [[nodiscard]] bool act_open() const { return std::ranges::any_of(laws_, &Law::acts_open); }
+  [[nodiscard]] bool act_open() const { return act_open_; }
 
   /// Nodal force of a unit multiplier: the row's coefficients at unclamped dofs, and zero at clamped ones.
   [[nodiscard]] std::span<const double> force(int row) const { return part(forces_, row); }
@@ -167,7 +166,7 @@ private:
   std::vector<int> local_; ///< local numbers of dofs_; −1 if another rank owns the dof
   std::vector<Cluster> clusters_;
   std::vector<int> cluster_of_; ///< cluster of each group
-  bool dependent_ = false, any_clamped_ = false, symmetric_ = true;
+  bool dependent_ = false, any_clamped_ = false, symmetric_ = true, act_open_ = false;
   bool across_ranks_ = false; ///< whether the dofs of some cluster are on several ranks
 };
 

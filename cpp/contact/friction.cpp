@@ -81,22 +81,33 @@ bool Friction::holds(std::span<const double> rho, std::span<const double> U, dou
          (way <= gap || (slack <= force && (size <= force || aligned)));
 }
 
-Friction::Place Friction::place(std::span<const double> rho, std::span<const double> U, double friction,
-                                double gap) const {
-  constexpr double rounding = 1e-9;
-  const bool on_bound = length(rho.subspan(1)) >= (1 - rounding) * bound(friction, rho[0]);
-  return {on_bound, on_bound && (length(U.subspan(1)) > gap || friction == 0)};
-}
-
-bool Coulomb::newton_equation(std::span<const double> rho, std::span<const double> U, Compliance compliance,
-                              double friction, LawEquation& equation) const {
+bool Friction::newton_equation(std::span<const double> rho, std::span<const double> U, Compliance compliance,
+                               double friction, LawEquation& equation) const {
   const std::array<double, 2> beyond = beyond_bound(rho, U, compliance.tangential);
   const std::span<const double> sigma(beyond.data(), rho.size() - 1);
-  const double lambda = rho[0] - U[0] / compliance.normal, s = friction * std::max(lambda, 0.0);
-  equation =
-      Tangential{s, friction, 0, sigma, compliance.tangential, friction == 0 || length(sigma) > s}.equation();
+  const double lambda = rho[0] - U[0] / compliance.normal, closed = std::max(lambda, 0.0),
+               rate = bound_rate(friction), s = bound(friction, closed);
+  const bool slips = friction == 0 || length(sigma) > s;
+  equation = Tangential{s, rate, s - rate * closed, sigma, compliance.tangential, slips}.equation();
   equation.friction = friction;
-  return lambda > 0;
+  if (lambda > 0)
+    return true;
+  equation.open(compliance.normal);
+  return acts_open();
+}
+
+LawEquation Friction::linearised(std::span<const double> rho, std::span<const double> U,
+                                 Compliance compliance, double friction, double gap) const {
+  constexpr double rounding = 1e-9;
+  const double s = bound(friction, std::max(rho[0], 0.0));
+  const bool on_bound = length(rho.subspan(1)) >= (1 - rounding) * bound(friction, rho[0]),
+             slips = on_bound && (length(U.subspan(1)) > gap || friction == 0);
+  const std::array<double, 2> beyond = beyond_bound(rho, U, compliance.tangential);
+  const std::span<const double> sigma(beyond.data(), rho.size() - 1);
+  LawEquation law = Tangential{s, bound_rate(friction), 0, sigma, compliance.tangential, slips}.equation();
+  law.friction = friction;
+  law.limit = on_bound && !slips && s > 0 && rho.size() > 1;
+  return law;
 }
 
 double Coulomb::residual(std::span<const double> rho, std::span<const double> U, Compliance compliance,
@@ -118,33 +129,6 @@ double Coulomb::residual(std::span<const double> rho, std::span<const double> U,
   return mean * std::sqrt(square);
 }
 
-LawEquation Coulomb::linearised(std::span<const double> rho, std::span<const double> U, Compliance compliance,
-                                double friction, double gap) const {
-  const auto [on_cone, slips] = place(rho, U, friction, gap);
-  const std::array<double, 2> beyond = beyond_bound(rho, U, compliance.tangential);
-  const double s = friction * std::max(rho[0], 0.0);
-  LawEquation law =
-      Tangential{s, friction, 0, std::span(beyond).first(rho.size() - 1), compliance.tangential, slips}
-          .equation();
-  law.friction = friction;
-  law.limit = on_cone && !slips && s > 0 && rho.size() > 1;
-  return law;
-}
-
-bool Tresca::newton_equation(std::span<const double> rho, std::span<const double> U, Compliance compliance,
-                             double friction, LawEquation& equation) const {
-  const std::array<double, 2> beyond = beyond_bound(rho, U, compliance.tangential);
-  const std::span<const double> sigma(beyond.data(), rho.size() - 1);
-  equation =
-      Tangential{
-          friction, 0, friction, sigma, compliance.tangential, friction == 0 || length(sigma) > friction}
-          .equation();
-  equation.friction = friction;
-  if (!(compliance.normal * rho[0] > U[0]))
-    equation.open(compliance.normal);
-  return true;
-}
-
 double Tresca::residual(std::span<const double> rho, std::span<const double> U, Compliance compliance,
                         double friction) const {
   // |c (ρ − P(ρ − U/c))| with the projection P on λ ≥ 0, |σ| ≤ s
@@ -154,18 +138,6 @@ double Tresca::residual(std::span<const double> rho, std::span<const double> U, 
   for (std::size_t c = 1; c < rho.size(); ++c)
     defect[c] = compliance.tangential * (rho[c] - shrink * sigma[c - 1]);
   return length(defect);
-}
-
-LawEquation Tresca::linearised(std::span<const double> rho, std::span<const double> U, Compliance compliance,
-                               double friction, double gap) const {
-  const auto [on_bound, slips] = place(rho, U, friction, gap);
-  const std::array<double, 2> beyond = beyond_bound(rho, U, compliance.tangential);
-  LawEquation law =
-      Tangential{friction, 0, 0, std::span(beyond).first(rho.size() - 1), compliance.tangential, slips}
-          .equation();
-  law.friction = friction;
-  law.limit = on_bound && !slips && rho.size() > 1;
-  return law;
 }
 
 } // namespace signorini::contact

@@ -76,8 +76,7 @@ public:
                                       double gap) const = 0;
 
   /// Linearises the law of an active group in contact at its solution (ρ, U): E δU + F δρ = 0. Slips up to
-  /// `gap` (m) count as zero. `compliance`: as for newton_equation(); it scales
-  /// the rows.
+  /// `gap` (m) count as zero. `compliance`: as for newton_equation(); it scales the rows.
   [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho, std::span<const double> U,
                                                Compliance compliance, double friction, double gap) const = 0;
 

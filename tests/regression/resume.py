@@ -139,7 +139,8 @@ def test_chosen_steps(tmp_path: Path) -> None:
 @pytest.mark.parametrize("friction", ("0.3", '{bound="1e5"}'))
 def test_friction(friction: str, tmp_path: Path) -> None:
     """A coefficient and a bound, on a belt, without tangential mass."""
-    rubbed = {"contact__friction": friction, "contact__obstacle__surface_velocity": '["100", "0"]', "contact__mass": "massless-tangential", "time__scheme": "contact-stabilized"}
+    rubbed = {"contact__friction": friction, "contact__obstacle__surface_velocity": '["100", "0"]',
+              "contact__mass": "massless-tangential", "time__scheme": "contact-stabilized"}  # fmt: skip
     reference, out = tmp_path / "whole", tmp_path / "resumed"
     complete(reference, **rubbed, optimizer__max_iterations="8")
     complete(out, **rubbed, optimizer__max_iterations="3")

@@ -113,7 +113,8 @@ def test_tresca(dim: int, scheme: str, tmp_path: Path) -> None:
     assert np.min(list(counts.values())) > 20, "a kind of motion hardly occurs: the case says nothing"
     assert sum(counts.values()) == len(closed), "all candidates stick or slip"
     assert not contact["force"][~closed].any() and (contact["force"][closed] > 0).all()
-    check_law(dim, contact, BOUNDS[dim] * contact["area"])
+    bound = BOUNDS[dim] * contact["area"]
+    check_law(dim, contact, bound, 1e-9 * bound.max())  # docs/method.md section 4: what slips is at its bound to 1e-9
     check_account(dim, out)
 
 

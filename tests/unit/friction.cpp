@@ -74,6 +74,41 @@ struct Chosen {
     parts.solver.contact()->solve({force, gaps, previous, state, y}, work);
     return state;
   }
+
+  /// The step beside the chosen one, and the piece of the one-sided derivative towards it.
+  struct Beside {
+    contact::ContactState state;
+    contact::ContactLinearisation piece;
+  };
+  /// Compares the one-sided derivative at the solution `at`, y in one of forty directions with a difference,
+  /// and with the two-sided derivative on the chosen piece.
+  Beside compare(int which, const contact::ContactState& at, Vec y) {
+    const bool space = parts.space.dim() == 3;
+    petsc::Vector change = parts.pressing(which), x = parts.space.vector(), z = petsc::copy(y);
+    check(VecScale(change, which % 2 ? 0.1 : -0.1));
+    constexpr double epsilon = 1e-6;
+    petsc::Vector moved = petsc::copy(r);
+    check(VecAXPY(moved, epsilon, change));
+    Beside found{solve(moved, psi, z), at.linearisation()};
+    check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, y));
+    contact::ContactLinearisation& one = found.piece;
+    const contact::ActiveSet set = one.active;
+    const std::vector<double> zero(psi.size());
+    parts.solver.contact()->solve_one_sided({.r = change, .set = set, .value = zero, .x = x}, one, work);
+    const double first_order = space ? 1e3 * epsilon : 1e-8;
+    CHECK(test::difference(z, x) < first_order * test::largest(x));
+    // Where the difference is open, slips or sticks, the derivative does.
+    CHECK(one.active == found.state.active);
+    for (std::size_t j = 0; j < one.active.size() && one.active == found.state.active; ++j) {
+      CHECK(one.motion(j) == found.state.motion(j));
+      CHECK(one.closed(j) == found.state.closed(j));
+    }
+    petsc::Vector again = parts.space.vector();
+    parts.solver.contact()->solve_linearised(
+        {.r = change, .set = one.active, .equations = one.equations, .x = again}, work);
+    CHECK(test::difference(again, x) < 1e-9 * test::largest(x));
+    return found;
+  }
 };
 
 } // namespace
@@ -106,25 +141,7 @@ TEST_CASE("one-sided derivatives where candidates may open, slip or stick", "[co
 
   int opened = 0, closed = 0, slipped = 0, stuck = 0;
   for (int which = 0; which < 40; ++which) {
-    petsc::Vector change = step.parts.pressing(which), x = step.parts.space.vector(), z = petsc::copy(found);
-    check(VecScale(change, which % 2 ? 0.1 : -0.1));
-    constexpr double epsilon = 1e-6;
-    petsc::Vector moved = petsc::copy(step.r);
-    check(VecAXPY(moved, epsilon, change));
-    const contact::ContactState other = step.solve(moved, step.psi, z);
-    check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, found));
-
-    contact::ContactLinearisation one = at.linearisation();
-    const contact::ActiveSet set = one.active;
-    const std::vector<double> zero(step.psi.size());
-    step.parts.solver.contact()->solve_one_sided({.r = change, .set = set, .value = zero, .x = x}, one,
-                                                 step.work);
-    const double first_order = space ? 1e3 * epsilon : 1e-8;
-    CHECK(test::difference(z, x) < first_order * test::largest(x));
-    // Where the difference is open, slips or sticks, the derivative does.
-    CHECK(one.active == other.active);
-    for (std::size_t j = 0; j < one.active.size() && one.active == other.active; ++j)
-      CHECK(one.equations[j].motion == other.equations[j].motion);
+    const contact::ContactLinearisation one = step.compare(which, at, found).piece;
     for (const int i : {2, 3}) {
       const bool is_closed = std::ranges::binary_search(one.active, i);
       (is_closed ? closed : opened) += 1;
@@ -132,11 +149,6 @@ TEST_CASE("one-sided derivatives where candidates may open, slip or stick", "[co
     for (std::size_t j = 0; j < one.active.size(); ++j)
       if (one.active[j] == 3 || one.active[j] == 4)
         (one.equations[j].motion == Motion::slips ? slipped : stuck) += 1;
-    // On the chosen piece the two-sided derivative is the same.
-    petsc::Vector again = step.parts.space.vector();
-    step.parts.solver.contact()->solve_linearised(
-        {.r = change, .set = one.active, .equations = one.equations, .x = again}, step.work);
-    CHECK(test::difference(again, x) < 1e-9 * test::largest(x));
   }
   CHECK(opened > 5);
   CHECK(closed > 5);
@@ -172,33 +184,12 @@ TEST_CASE("Tresca friction: one-sided derivatives where candidates may open, and
 
   int opened = 0, closed = 0, slipped = 0, stuck = 0;
   for (int which = 0; which < 40; ++which) {
-    petsc::Vector change = step.parts.pressing(which), x = step.parts.space.vector(), z = petsc::copy(found);
-    check(VecScale(change, which % 2 ? 0.1 : -0.1));
-    constexpr double epsilon = 1e-6;
-    petsc::Vector moved = petsc::copy(step.r);
-    check(VecAXPY(moved, epsilon, change));
-    const contact::ContactState other = step.solve(moved, step.psi, z);
-    check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, found));
-    contact::ContactLinearisation one = at.linearisation();
-    const contact::ActiveSet set = one.active;
-    const std::vector<double> zero(step.psi.size());
-    step.parts.solver.contact()->solve_one_sided({.r = change, .set = set, .value = zero, .x = x}, one,
-                                                 step.work);
-    const double first_order = space ? 1e3 * epsilon : 1e-8;
-    CHECK(test::difference(z, x) < first_order * test::largest(x));
+    const auto [other, one] = step.compare(which, at, found);
     REQUIRE(one.active == other.active);
-    for (std::size_t j = 0; j < one.active.size(); ++j) {
-      CHECK(one.motion(j) == other.motion(j));
-      CHECK(one.closed(j) == other.closed(j));
-    }
     for (const std::size_t j : {1, 2})
       (one.closed(j) ? closed : opened) += 1;
     for (const std::size_t j : {2, 3, 4})
       (one.motion(j) == Motion::slips ? slipped : stuck) += 1;
-    petsc::Vector again = step.parts.space.vector();
-    step.parts.solver.contact()->solve_linearised(
-        {.r = change, .set = one.active, .equations = one.equations, .x = again}, step.work);
-    CHECK(test::difference(again, x) < 1e-9 * test::largest(x));
   }
   CHECK(opened > 5);
   CHECK(closed > 5);

@@ -111,10 +111,10 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance, dou
       state.status[i] = Status::strong;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
-    const Values group = values(i);
     const bool open = state.status[i] == Status::open, weak = state.status[i] == Status::weak;
-    if (open && !group.law.acts_open())
+    if (open && !rows_.law(static_cast<int>(i)).acts_open())
       continue;
+    const Values group = values(i);
     state.active.push_back(static_cast<int>(i));
     state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
     bool limit = false;
