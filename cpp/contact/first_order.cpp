@@ -193,8 +193,8 @@ void FirstOrderLaws::select(const ContactState& change, const Complementarity& s
     if (!may_open || rho[0] != 0) {
       active.push_back(i);
       forces.insert(forces.end(), force, next);
-      equations.push_back(laws_[i]->linearised(
-          {rho.data(), k}, {U.data(), k}, {scales.compliance(i), scales.compliance(i)}, friction_[i], 0));
+      equations.push_back(
+          laws_[i]->linearised({rho.data(), k}, {U.data(), k}, scales.compliance(i), friction_[i], 0));
     }
     force = next;
   }

@@ -23,7 +23,8 @@ namespace signorini::contact {
   return std::sqrt(square);
 }
 
-/// Change of a group's gaps per unit of its multipliers, along the normal and along the tangents.
+/// Change of a group's gaps per unit of its multipliers while all other nodes are fixed, along the normal and
+/// the mean of those along the tangents.
 struct Compliance {
   double normal, tangential;
 };
@@ -55,9 +56,9 @@ public:
   /// result `lambda` and `gap`. `closed`: whether the row was in the active set of this step.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: diagonal entries of S
-  /// of the group, the mean of those of its tangents; they need not be exact. Returns false if the step opens
-  /// the group; its multipliers then become zero, and `equation` is not used.
+  /// Sets `equation` to the law's equation for a Newton step from (ρ, U). `compliance`: of the group; it need
+  /// not be exact. Returns false if the step opens the group; its multipliers then become zero, and
+  /// `equation` is not used.
   [[nodiscard]] virtual bool newton_equation(std::span<const double> rho, std::span<const double> U,
                                              Compliance compliance, double friction,
                                              LawEquation& equation) const = 0;

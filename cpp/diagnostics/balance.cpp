@@ -345,7 +345,7 @@ double Invariants::friction_defect(const contact::ContactState& state, double un
                  force = std::hypot(rho[1], rho[2]) / unit, slip = std::hypot(U[1], U[2]),
                  work = (rho[1] * U[1] + rho[2] * U[2]) / unit;
     worst = worst_of(worst, part(force - bound, scale));
-    worst = worst_of(worst, part(std::abs(work + bound * slip), scale * diameter));
+    worst = worst_of(worst, part(std::abs(work + bound * slip), std::max(scale, bound) * diameter));
   }
   return worst;
 }

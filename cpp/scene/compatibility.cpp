@@ -90,8 +90,12 @@ std::optional<ControlKeys> control_keys(const std::string& scene) {
 Difference difference(const std::string& first, const std::string& second, Part besides) {
   const auto a = posed(first, besides), b = posed(second, besides);
   const auto shown = [](const auto& values, const std::string& key) {
-    const auto found = values.find(key);
-    return found == values.end() ? "no " + key : key + " = " + found->second;
+    auto found = values.find(key);
+    if (found == values.end()) // perhaps a table in place of a value, or the reverse
+      found = std::ranges::find_if(values, [&](const auto& entry) {
+        return entry.first.starts_with(key + ".") || key.starts_with(entry.first + ".");
+      });
+    return found == values.end() ? "no " + key : found->first + " = " + found->second;
   };
   for (const auto* one : {&a, &b})
     for (const auto& [key, value] : *one)

@@ -260,7 +260,8 @@ TEST_CASE("each method for friction finds what obeys the laws", "[contact]") {
                bounded ? static_cast<const contact::Law&>(contact::tresca) : contact::coulomb);
   const contact::DelassusOperator S(body.H, std::make_unique<contact::StoredColumnsCondensation>(
                                                 body.H, *body.mumps, body.parts.space.vector(), 1e9));
-  const contact::LawSolver solver(body.H, S);
+  const contact::Complementarity scales(body.H, 1, body.parts.D);
+  const contact::LawSolver solver(body.H, S, scales.compliances());
   contact::Workspace work = S.workspace();
   body.friction = friction;
   if (bounded) {
@@ -331,6 +332,18 @@ struct RandomProblem {
       gap0.push_back(normal(generator) - (i < static_cast<std::size_t>(m) ? 0.5 : 0));
   }
 
+  /// Those of each candidate alone, for the inverse of S.
+  [[nodiscard]] std::vector<contact::Compliance> compliances(const std::vector<double>& inverse) const {
+    std::vector<contact::Compliance> all;
+    const auto own = [&](std::size_t row) { return 1 / inverse[row * gap0.size() + row]; };
+    for (int i = 0; i < rows.groups(); ++i) {
+      contact::Compliance& at = all.emplace_back(own(rows.row(i, 0)), 0);
+      for (std::size_t c = 1; c < rows.size(i); ++c)
+        at.tangential += own(rows.row(i, c)) / static_cast<double>(rows.size(i) - 1);
+    }
+    return all;
+  }
+
   static std::vector<contact::ConstraintRows::Group> groups(int m, int dim) {
     std::vector<contact::ConstraintRows::Group> all;
     for (int i = 0; i < m; ++i) {
@@ -362,7 +375,7 @@ TEST_CASE("random problems with strong couplings are solved", "[contact]") {
     const RandomProblem problem(3 + which % 10, dim, generator);
     const contact::DelassusOperator S(problem.rows,
                                       std::make_unique<GivenCondensation>(problem.rows, problem.S));
-    const contact::LawSolver solver(problem.rows, S);
+    const contact::LawSolver solver(problem.rows, S, problem.compliances(S.inverse()));
     contact::Workspace work = S.workspace();
     work.gap0 = problem.gap0;
     const double friction = 0.05 * std::pow(60, uniform(generator)); // up to 3

@@ -98,6 +98,10 @@ TEST_CASE("the table of keys says what poses the problem", "[scene]") {
     INFO(other);
     CHECK_FALSE(scene::difference(first, echo({other})).second.empty());
   }
+  const scene::Difference laws =
+      scene::difference(echo({"contact.friction=0.3"}), echo({"contact.friction={bound=\"2e5\"}"}));
+  CHECK(laws.first == "contact.friction = 0.3");
+  CHECK(laws.second == "contact.friction.bound = 200000");
   const std::string method = echo({"optimizer.method=newton-cg"});
   CHECK(scene::difference(first, method, scene::Part::search).second == "optimizer.method = \"newton-cg\"");
   for (const char* other : {"trajectory.storage=disk", "solver.memory=1e9", "check.control=[\"0\", \"1\"]"}) {

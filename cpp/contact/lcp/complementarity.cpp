@@ -43,7 +43,21 @@ Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Ma
   // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
   // couple them are neglected.
   multiplier_per_motion_ = rows.weighted_squares(fem::diagonal(D));
-  multiplier_per_motion_.resize(static_cast<std::size_t>(rows.groups())); // normals alone
+}
+
+Compliance Complementarity::compliance(int candidate) const {
+  double tangential = 0;
+  const std::size_t k = rows_.size(candidate);
+  for (std::size_t c = 1; c < k; ++c)
+    tangential += 1 / (multiplier_per_motion_[rows_.row(candidate, c)] * static_cast<double>(k - 1));
+  return {1 / multiplier_per_motion_[candidate], tangential};
+}
+
+std::vector<Compliance> Complementarity::compliances() const {
+  std::vector<Compliance> all;
+  for (int i = 0; i < rows_.groups(); ++i)
+    all.push_back(compliance(i));
+  return all;
 }
 
 double Complementarity::negligible_gap(double deepest_gap, double displacement) const {
@@ -54,7 +68,7 @@ double Complementarity::negligible_gap(double deepest_gap, double displacement) 
 double Complementarity::negligible_motion(std::span<const double> lambda, double size,
                                           double tolerance) const {
   double largest = 0;
-  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i)
+  for (int i = 0; i < rows_.groups(); ++i)
     largest = std::max(largest, lambda[i] / multiplier_per_motion_[i]);
   // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition number, up to 1e6 for a
   // stiff body without clamps; the residual r − D y is known to the accuracy of its terms.
@@ -86,15 +100,15 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance, dou
   // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (diameter_ + size));
   double penetration = 0, adhesion = 0, distance = 0;
-  const auto values = [&](std::size_t i) { return Values{rows_, static_cast<int>(i), state}; };
-  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
+  const auto values = [&](int i) { return Values{rows_, i, state}; };
+  for (int i = 0; i < rows_.groups(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / multiplier_per_motion_[i]);
     const Values group = values(i);
     state.status[i] = group.law.status(group.rho(), group.U(), motion * multiplier_per_motion_[i], closed);
     if (state.status[i] == Status::strong) {
       distance = std::max(distance, state.gap[i]);
-      state.active.push_back(static_cast<int>(i));
+      state.active.push_back(i);
     }
   }
   if (!holds_to(gap_tolerance_, motion, state))
@@ -103,39 +117,39 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance, dou
                                     "m). Pulling forces move a node by {:.3e} m (limit {:.3e} m); {} of {} "
                                     "candidates are strongly active",
                                     penetration, distance, gap_tolerance_, adhesion, motion,
-                                    state.count(Status::strong), multiplier_per_motion_.size()));
-  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i)
-    if (state.status[i] == Status::weak && depends(rows_, state.active, static_cast<int>(i)))
+                                    state.count(Status::strong), rows_.groups()));
+  for (int i = 0; i < rows_.groups(); ++i)
+    if (state.status[i] == Status::weak && depends(rows_, state.active, i))
       // This candidate cannot open while those with forces on which it depends are closed, and part of their
       // force may be assigned to it.
       state.status[i] = Status::strong;
   state.active.clear();
-  for (std::size_t i = 0; i < state.status.size(); ++i) {
+  for (int i = 0; i < rows_.groups(); ++i) {
     const bool open = state.status[i] == Status::open, weak = state.status[i] == Status::weak;
-    if (open && !rows_.law(static_cast<int>(i)).acts_open())
+    if (open && !rows_.law(i).acts_open())
       continue;
     const Values group = values(i);
-    state.active.push_back(static_cast<int>(i));
+    state.active.push_back(i);
     state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
     bool limit = false;
     if (!rows_.symmetric()) {
-      const double normal = compliance(static_cast<int>(i));
+      const Compliance own = compliance(i);
       LawEquation& law = state.equations.emplace_back(
-          group.law.linearised(group.rho(), group.U(), {normal, normal}, group.friction, closed));
+          group.law.linearised(group.rho(), group.U(), own, group.friction, closed));
       law.weak = weak;
       law.limit = law.limit && (!weak || group.law.acts_open()); // else it is about to open too
       if (open)
-        law.open(normal);
+        law.open(own.normal);
       limit = law.limit;
     }
     if (weak || limit)
-      state.weak.push_back(static_cast<int>(i));
+      state.weak.push_back(i);
   }
 }
 
 bool Complementarity::holds_to(double negligible, double motion, const ContactState& state) const {
-  for (std::size_t i = 0; i < multiplier_per_motion_.size(); ++i) {
-    const Values group{rows_, static_cast<int>(i), state};
+  for (int i = 0; i < rows_.groups(); ++i) {
+    const Values group{rows_, i, state};
     if (!group.law.holds(group.rho(), group.U(), group.friction, motion * multiplier_per_motion_[i],
                          negligible))
       return false;

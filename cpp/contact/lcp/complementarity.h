@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/constraint_rows.h"
-#include "contact/contact_state.h"
+#include "contact/law.h"
 
 namespace signorini::contact {
 
@@ -40,8 +40,10 @@ public:
     return holds_to(negligible, negligible, state);
   }
 
-  /// Gap by which a unit of a candidate's multiplier moves its node if all other nodes are fixed.
-  [[nodiscard]] double compliance(int candidate) const { return 1 / multiplier_per_motion_[candidate]; }
+  /// Gaps by which a unit of a candidate's multipliers moves its node if all other nodes are fixed.
+  [[nodiscard]] Compliance compliance(int candidate) const;
+  /// Returns compliance() of all candidates.
+  [[nodiscard]] std::vector<Compliance> compliances() const;
 
 private:
   /// Displacement (m) below which forces count as zero: the one by which a force would move its node if all
@@ -51,7 +53,7 @@ private:
 
   const ConstraintRows& rows_;
   double diameter_, gap_tolerance_;
-  /// For each candidate, the λ that would move its node alone by 1 m.
+  /// For each row of H, the multiplier that would move its node alone by 1 m.
   std::vector<double> multiplier_per_motion_;
 };
 

@@ -249,7 +249,8 @@ void CondensedSolver::solve_one_sided(const LinearisedContact& step, ContactLine
   if (step.value.empty() || !step.law.empty())
     throw std::logic_error("one-sided steps take gaps and no right-hand sides of laws");
   delassus_.predict_gap(step.r, {step.x, step.set}, step.value, work.gap0, work.half_solve);
-  LawSolver(rows_, delassus_, laws.laws()).solve({}, negligible(step.value, work.gap0), change, work);
+  LawSolver(rows_, delassus_, complementarity_.compliances(), laws.laws())
+      .solve({}, negligible(step.value, work.gap0), change, work);
   delassus_.finish(step.value, change.lambda, change.gap, step.x, work);
   if (!step.multipliers.empty())
     std::ranges::copy(change.lambda, step.multipliers.begin());

@@ -86,8 +86,8 @@ private:
 
   const ConstraintRows& rows_;
   DelassusOperator delassus_;
-  LawSolver laws_{rows_, delassus_};
   Complementarity complementarity_;
+  LawSolver laws_{rows_, delassus_, complementarity_.compliances()};
   Residual residual_;
   double tolerance_;
   double length_unit_; ///< unit of gaps in PETSc's VI: the accepted penetration, m

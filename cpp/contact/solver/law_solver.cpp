@@ -12,32 +12,31 @@
 
 namespace signorini::contact {
 
-Compliance LawSolver::compliance(int group, double softness) const {
-  const auto own = [&](std::size_t row, double otherwise) {
+Compliance LawSolver::softening(int group, double softness) const {
+  if (softness == 0)
+    return {0, 0};
+  const auto own = [&](std::size_t row) {
     const std::span<const double> column = delassus_.column(static_cast<int>(row));
-    return column.empty() ? otherwise : column[row];
+    return column.empty() ? 0 : column[row]; // groups without columns have been open so far
   };
   const std::size_t k = rows_.size(group);
-  const double normal = own(rows_.row(group, 0), 1); // any value serves groups that have been open so far
-  double sum = 0;
+  double tangential = 0;
   for (std::size_t c = 1; c < k; ++c)
-    sum += own(rows_.row(group, c), normal);
-  const double tangential = k > 1 ? sum / static_cast<double>(k - 1) : normal;
-  return {(1 + softness) * normal, (1 + softness) * tangential};
+    tangential += own(rows_.row(group, c)) / static_cast<double>(k - 1);
+  return {softness * own(rows_.row(group, 0)), softness * tangential};
 }
 
 LawSolver::Values LawSolver::values(int group, const ContactState& state, double softness) const {
+  const Compliance soft = softening(group, softness);
+  const auto& [normal, tangential] = compliances_[group];
   Values found{.size = rows_.size(group),
                .multipliers = rows_.of_group(group, state.lambda),
                .gaps = rows_.of_group(group, state.gap),
-               .compliance = compliance(group, softness),
-               .softening = {},
+               .compliance = {normal + soft.normal, tangential + soft.tangential},
+               .softening = {soft.normal, soft.tangential, soft.tangential},
                .friction = state.friction_of(static_cast<std::size_t>(group))};
-  for (std::size_t c = 0; c < found.size; ++c) {
-    found.softening[c] =
-        softness / (1 + softness) * (c == 0 ? found.compliance.normal : found.compliance.tangential);
+  for (std::size_t c = 0; c < found.size; ++c)
     found.gaps[c] += found.softening[c] * found.multipliers[c];
-  }
   return found;
 }
 
@@ -64,10 +63,9 @@ bool LawSolver::next(int group, const ContactState& state, double softness, LawE
   return true;
 }
 
-void LawSolver::add_to_multiplier(int row, double change, ContactState& state) const {
+void LawSolver::add_to_gaps(int row, double change, ContactState& state) const {
   if (change == 0)
     return;
-  state.lambda[row] += change;
   const std::span<const double> column = delassus_.column(row);
   for (std::size_t j = 0; j < column.size(); ++j)
     state.gap[j] += column[j] * change;
@@ -76,9 +74,14 @@ void LawSolver::add_to_multiplier(int row, double change, ContactState& state) c
 void LawSolver::start(std::span<const double> lambda, ContactState& state, Workspace& work) const {
   state.several = false;
   std::ranges::fill(state.lambda, 0);
+  std::ranges::copy(lambda, state.lambda.begin());
+  set_gaps(state, work);
+}
+
+void LawSolver::set_gaps(ContactState& state, const Workspace& work) const {
   std::ranges::copy(work.gap0, state.gap.begin());
-  for (std::size_t row = 0; row < lambda.size(); ++row)
-    add_to_multiplier(static_cast<int>(row), lambda[row], state);
+  for (std::size_t row = 0; row < state.lambda.size(); ++row)
+    add_to_gaps(static_cast<int>(row), state.lambda[row], state);
 }
 
 void LawSolver::newton_step(ContactState& state, Workspace& work, double softness) const {
@@ -96,9 +99,9 @@ void LawSolver::newton_step(ContactState& state, Workspace& work, double softnes
   }
   for (const int i : opens)
     for (std::size_t c = 0; c < rows_.size(i); ++c) {
-      const int row = static_cast<int>(rows_.row(i, c));
-      add_to_multiplier(row, -state.lambda[row], state);
-      state.lambda[row] = 0; // not a rounding error
+      const std::size_t row = rows_.row(i, c);
+      add_to_gaps(static_cast<int>(row), -state.lambda[row], state);
+      state.lambda[row] = 0;
     }
   for (std::size_t j = 0; j < work.set.size(); ++j) { // E S δρ + F δρ = c − E U − F ρ
     const LawEquation& law = work.equations[j];
@@ -109,9 +112,14 @@ void LawSolver::newton_step(ContactState& state, Workspace& work, double softnes
   }
   state.several = delassus_.solve_equations(work.set, work.equations, false, work.b, work) < 0;
   auto change = work.b.begin();
-  for (const int i : work.set)
+  for (std::size_t j = 0; j < work.set.size(); ++j) {
+    const int i = work.set[j];
     for (std::size_t c = 0; c < rows_.size(i); ++c)
-      add_to_multiplier(static_cast<int>(rows_.row(i, c)), *change++, state);
+      state.lambda[rows_.row(i, c)] += *change++;
+    if (!work.equations[j].closed)
+      state.lambda[i] = 0; // not a rounding error
+  }
+  set_gaps(state, work); // without the rounding of earlier, larger multipliers
   ++state.vi_iterations;
 }
 
@@ -136,10 +144,11 @@ bool LawSolver::settle(double negligible, ContactState& state, Workspace& work, 
 }
 
 bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) const {
-  constexpr double first = 1, softest = 1e8, least = 1e-10, largest_ratio = 10, least_ratio = 1.05,
-                   loose = 1e4;
+  constexpr double first = 1, softest = 1e8, hardest = 1e-20, largest_ratio = 10, least_ratio = 1.05,
+                   loose = 10;
   constexpr int most = 600;
   double softness = first, solved = 0, ratio = largest_ratio;
+  double least = 1e-10; // softness from which on hard contacts are tried
   std::vector<double> lambda;
   for (const int before = state.vi_iterations; state.vi_iterations - before < most;) {
     const bool hard = softness == 0;
@@ -156,14 +165,15 @@ bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) 
       start({}, state, work);
       continue;
     } else {
-      ratio = std::sqrt(ratio);
-      if (ratio < least_ratio)
+      if (hard)
+        least *= 1e-3;
+      else
+        ratio = std::sqrt(ratio);
+      if (ratio < least_ratio || least < hardest)
         return false;
       start(lambda, state, work);
     }
     softness = solved / ratio < least ? 0 : solved / ratio;
-    if (hard && softness == 0)
-      return false;
   }
   return false;
 }
@@ -192,7 +202,9 @@ void LawSolver::relax(int group, ContactState& state) const {
     }
     double moved = 0, size = 0;
     for (std::size_t c = 0; c < k; ++c) {
-      add_to_multiplier(static_cast<int>(rows_.row(group, c)), change[c], state);
+      const std::size_t row = rows_.row(group, c);
+      state.lambda[row] += change[c];
+      add_to_gaps(static_cast<int>(row), change[c], state);
       moved = std::max(moved, std::abs(change[c]));
       size = std::max(size, std::abs(rho[c]));
     }
@@ -210,7 +222,7 @@ void LawSolver::prepare_all() const {
 void LawSolver::sweep(int most, double negligible, ContactState& state, Workspace& work) const {
   prepare_all();
   on_root<SolverFailure>(rows_.comm(), [&] {
-    start(std::vector<double>(state.lambda), state, work); // gaps without the rounding of earlier steps
+    set_gaps(state, work);
     for (int i = 0; i < most && residual(state) > negligible; ++i, ++state.vi_iterations)
       for (int group = 0; group < rows_.groups(); ++group)
         relax(group, state);

@@ -21,14 +21,17 @@ struct LawFailure : SolverFailure {
 /// and at last a block Gauss–Seidel iteration.
 class LawSolver {
 public:
-  /// The laws are those of `rows`. The references must outlive this object.
-  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus) : rows_(rows), delassus_(delassus) {
+  /// `compliances`: of the groups, for Law::newton_equation() (Complementarity::compliances()). The laws are
+  /// those of `rows`. The references must outlive this object.
+  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus, std::vector<Compliance> compliances)
+      : rows_(rows), delassus_(delassus), compliances_(std::move(compliances)) {
     for (int i = 0; i < rows.groups(); ++i)
       laws_.push_back(&rows.law(i));
   }
   /// `laws`: of the groups. They and the references must outlive this object.
-  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus, std::vector<const Law*> laws)
-      : rows_(rows), delassus_(delassus), laws_(std::move(laws)) {}
+  LawSolver(const ConstraintRows& rows, const DelassusOperator& delassus, std::vector<Compliance> compliances,
+            std::vector<const Law*> laws)
+      : rows_(rows), delassus_(delassus), compliances_(std::move(compliances)), laws_(std::move(laws)) {}
 
   /// Methods in the order in which they are tried, each from zero but the first.
   enum class Method { newton, hardening, pivots, sweeps };
@@ -56,8 +59,8 @@ private:
   };
   /// `softness`: compliance of the contacts relative to the diagonal of S, here and in what follows.
   [[nodiscard]] Values values(int group, const ContactState& state, double softness) const;
-  /// Diagonal entries of S of a group, times 1 + softness; the mean of those of its tangents.
-  [[nodiscard]] Compliance compliance(int group, double softness) const;
+  /// Compliance of a soft contact: `softness` times the diagonal entries of S, the mean of those of tangents.
+  [[nodiscard]] Compliance softening(int group, double softness) const;
   /// Residual of one group's law, m; infinite if it is not finite.
   [[nodiscard]] double residual(int group, const ContactState& state, double softness = 0) const;
   [[nodiscard]] double residual(const ContactState& state, double softness) const;
@@ -69,8 +72,10 @@ private:
   void start(std::span<const double> lambda, ContactState& state, Workspace& work) const;
   /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
   [[nodiscard]] bool next(int group, const ContactState& state, double softness, LawEquation& equation) const;
-  /// Adds `change` to a row's multiplier, and its effect to all gaps.
-  void add_to_multiplier(int row, double change, ContactState& state) const;
+  /// Adds the effect of a change of a row's multiplier to all gaps.
+  void add_to_gaps(int row, double change, ContactState& state) const;
+  /// Sets the gaps that the multipliers cause.
+  void set_gaps(ContactState& state, const Workspace& work) const;
   void newton_step(ContactState& state, Workspace& work, double softness) const;
   /// Takes Newton steps until the residual is negligible; gives up after twenty, or when they cycle. Returns
   /// whether the residual is negligible. Collective.
@@ -90,6 +95,7 @@ private:
 
   const ConstraintRows& rows_;
   const DelassusOperator& delassus_;
+  std::vector<Compliance> compliances_;
   std::vector<const Law*> laws_;
 };
 
