@@ -5,6 +5,7 @@
 #include "contact/lcp/lemke.h"
 #include "linalg/dense.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -12,27 +13,30 @@
 
 namespace signorini::contact {
 
-Compliance LawSolver::softening(int group, double softness) const {
-  if (softness == 0)
-    return {0, 0};
-  const auto own = [&](std::size_t row) {
+Compliance LawSolver::diagonal(int group) const {
+  const auto own = [&](std::size_t row, double otherwise) {
     const std::span<const double> column = delassus_.column(static_cast<int>(row));
-    return column.empty() ? 0 : column[row]; // groups without columns have been open so far
+    return column.empty() ? otherwise : column[row]; // groups without columns have been open so far
   };
+  const auto& [normal, tangential] = compliances_[group];
   const std::size_t k = rows_.size(group);
-  double tangential = 0;
+  double sum = 0;
   for (std::size_t c = 1; c < k; ++c)
-    tangential += own(rows_.row(group, c)) / static_cast<double>(k - 1);
-  return {softness * own(rows_.row(group, 0)), softness * tangential};
+    sum += own(rows_.row(group, c), tangential);
+  return {own(rows_.row(group, 0), normal), k > 1 ? sum / static_cast<double>(k - 1) : 0};
 }
 
-LawSolver::Values LawSolver::values(int group, const ContactState& state, double softness) const {
-  const Compliance soft = softening(group, softness);
-  const auto& [normal, tangential] = compliances_[group];
+LawSolver::Values LawSolver::values(int group, const ContactState& state, const Contacts& contacts) const {
+  const Compliance &one = compliances_[group], S = diagonal(group);
+  const Compliance soft{contacts.softness * S.normal, contacts.softness * S.tangential};
+  const auto between = [&](double node, double body, double softening) {
+    return std::pow(node + softening, 1 - contacts.share) * std::pow(body + softening, contacts.share);
+  };
   Values found{.size = rows_.size(group),
                .multipliers = rows_.of_group(group, state.lambda),
                .gaps = rows_.of_group(group, state.gap),
-               .compliance = {normal + soft.normal, tangential + soft.tangential},
+               .compliance = {between(one.normal, S.normal, soft.normal),
+                              between(one.tangential, S.tangential, soft.tangential)},
                .softening = {soft.normal, soft.tangential, soft.tangential},
                .friction = state.friction_of(static_cast<std::size_t>(group))};
   for (std::size_t c = 0; c < found.size; ++c)
@@ -41,7 +45,7 @@ LawSolver::Values LawSolver::values(int group, const ContactState& state, double
 }
 
 double LawSolver::residual(int group, const ContactState& state, double softness) const {
-  const Values at = values(group, state, softness);
+  const Values at = values(group, state, {softness, 0});
   const double found = laws_[group]->residual(at.rho(), at.U(), at.compliance, at.friction);
   return std::isfinite(found) ? found : std::numeric_limits<double>::infinity();
 }
@@ -53,8 +57,9 @@ double LawSolver::residual(const ContactState& state, double softness) const {
   return largest;
 }
 
-bool LawSolver::next(int group, const ContactState& state, double softness, LawEquation& equation) const {
-  const Values at = values(group, state, softness);
+bool LawSolver::next(int group, const ContactState& state, const Contacts& contacts,
+                     LawEquation& equation) const {
+  const Values at = values(group, state, contacts);
   if (!laws_[group]->newton_equation(at.rho(), at.U(), at.compliance, at.friction, equation))
     return false;
   for (std::size_t i = 0; i < at.size; ++i) // E (U + softening ρ) + F ρ = c
@@ -84,14 +89,14 @@ void LawSolver::set_gaps(ContactState& state, const Workspace& work) const {
     add_to_gaps(static_cast<int>(row), state.lambda[row], state);
 }
 
-void LawSolver::newton_step(ContactState& state, Workspace& work, double softness) const {
+void LawSolver::newton_step(ContactState& state, Workspace& work, const Contacts& contacts) const {
   work.set.clear();
   work.equations.clear();
   work.b.clear();
   ActiveSet opens;
   for (int i = 0; i < rows_.groups(); ++i) {
     LawEquation law;
-    if (next(i, state, softness, law)) {
+    if (next(i, state, contacts, law)) {
       work.set.push_back(i);
       work.equations.push_back(law);
     } else if (state.lambda[i] != 0)
@@ -123,36 +128,45 @@ void LawSolver::newton_step(ContactState& state, Workspace& work, double softnes
   ++state.vi_iterations;
 }
 
-bool LawSolver::settle(double negligible, ContactState& state, Workspace& work, double softness) const {
+bool LawSolver::settle(double negligible, ContactState& state, Workspace& work,
+                       const Contacts& contacts) const {
   constexpr int most = 20;
   constexpr double rounding = 1e-9;
   std::vector<double> seen; // residuals
   for (int i = 0; i < most; ++i) {
-    const double now = residual(state, softness);
+    const double now = residual(state, contacts.softness);
     if (now <= negligible)
       return true;
     if (std::ranges::any_of(seen, [&](double before) { return std::abs(now - before) <= rounding * now; }))
       return false; // a cycle
     seen.push_back(now);
     try {
-      newton_step(state, work, softness);
+      newton_step(state, work, contacts);
     } catch (const SolverFailure&) { // a singular system, on all ranks: the next method tries
       return false;
     }
   }
-  return residual(state, softness) <= negligible;
+  return residual(state, contacts.softness) <= negligible;
 }
 
 bool LawSolver::harden(double negligible, ContactState& state, Workspace& work) const {
   constexpr double first = 1, softest = 1e8, hardest = 1e-20, largest_ratio = 10, least_ratio = 1.05,
                    loose = 10;
+  constexpr std::array shares{1.0, 0.0, 0.5};
   constexpr int most = 600;
   double softness = first, solved = 0, ratio = largest_ratio;
   double least = 1e-10; // softness from which on hard contacts are tried
   std::vector<double> lambda;
+  const auto settled = [&] {
+    return std::ranges::any_of(shares, [&](double share) {
+      if (share != shares.front())
+        start(lambda, state, work);
+      return settle(softness == 0 ? negligible : loose * negligible, state, work, {softness, share});
+    });
+  };
   for (const int before = state.vi_iterations; state.vi_iterations - before < most;) {
     const bool hard = softness == 0;
-    if (settle(hard ? negligible : loose * negligible, state, work, softness)) {
+    if (settled()) {
       if (hard)
         return true;
       lambda = state.lambda;
@@ -187,7 +201,7 @@ void LawSolver::relax(int group, ContactState& state) const {
     const std::array<double, 3> rho = rows_.of_group(group, state.lambda),
                                 U = rows_.of_group(group, state.gap);
     std::array<double, 3> change{-rho[0], -rho[1], -rho[2]};
-    if (next(group, state, 0, law)) {
+    if (next(group, state, {}, law)) {
       std::array<double, 9> X{}; // E S + F of the group, column by column
       for (std::size_t j = 0; j < k; ++j) {
         const std::array<double, 3> S =
@@ -306,14 +320,14 @@ bool LawSolver::solve_by(Method method, double negligible, ContactState& state, 
   constexpr int most = 20'000;
   switch (method) {
   case newton:
-    return settle(negligible, state, work);
+    return settle(negligible, state, work, {});
   case hardening:
     return harden(negligible, state, work);
   case pivots:
-    return pivot(state, work) && settle(negligible, state, work);
+    return pivot(state, work) && settle(negligible, state, work, {});
   case sweeps:
     sweep(most, negligible, state, work);
-    return residual(state) <= negligible || settle(negligible, state, work);
+    return residual(state) <= negligible || settle(negligible, state, work, {});
   }
   return false;
 }

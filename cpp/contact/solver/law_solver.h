@@ -42,7 +42,7 @@ public:
   Method solve(std::span<const double> guess, double negligible, ContactState& state, Workspace& work,
                Method first = Method::newton) const;
   /// Takes one Newton step from the multipliers and gaps of `state`. Collective.
-  void newton_step(ContactState& state, Workspace& work) const { newton_step(state, work, 0); }
+  void newton_step(ContactState& state, Workspace& work) const { newton_step(state, work, {}); }
   /// Returns the largest residual of a law, m.
   [[nodiscard]] double residual(const ContactState& state) const { return residual(state, 0); }
 
@@ -57,10 +57,14 @@ private:
     [[nodiscard]] std::span<const double> rho() const { return {multipliers.data(), size}; }
     [[nodiscard]] std::span<const double> U() const { return {gaps.data(), size}; }
   };
-  /// `softness`: compliance of the contacts relative to the diagonal of S, here and in what follows.
-  [[nodiscard]] Values values(int group, const ContactState& state, double softness) const;
-  /// Compliance of a soft contact: `softness` times the diagonal entries of S, the mean of those of tangents.
-  [[nodiscard]] Compliance softening(int group, double softness) const;
+  /// Contacts of Newton steps.
+  struct Contacts {
+    double softness = 0; ///< compliance of the contacts relative to the diagonal of S
+    double share = 1;    ///< compliances in Law::newton_equation() are (node alone)^(1 − share) (S_ii)^share
+  };
+  [[nodiscard]] Values values(int group, const ContactState& state, const Contacts& contacts) const;
+  /// Diagonal entries of S of a group; the mean of those of its tangents.
+  [[nodiscard]] Compliance diagonal(int group) const;
   /// Residual of one group's law, m; infinite if it is not finite.
   [[nodiscard]] double residual(int group, const ContactState& state, double softness = 0) const;
   [[nodiscard]] double residual(const ContactState& state, double softness) const;
@@ -71,18 +75,20 @@ private:
   /// Sets multipliers, and the gaps that they cause.
   void start(std::span<const double> lambda, ContactState& state, Workspace& work) const;
   /// Sets the equation of a group's law for the next Newton step. Returns false if the group opens.
-  [[nodiscard]] bool next(int group, const ContactState& state, double softness, LawEquation& equation) const;
+  [[nodiscard]] bool next(int group, const ContactState& state, const Contacts& contacts,
+                          LawEquation& equation) const;
   /// Adds the effect of a change of a row's multiplier to all gaps.
   void add_to_gaps(int row, double change, ContactState& state) const;
   /// Sets the gaps that the multipliers cause.
   void set_gaps(ContactState& state, const Workspace& work) const;
-  void newton_step(ContactState& state, Workspace& work, double softness) const;
+  void newton_step(ContactState& state, Workspace& work, const Contacts& contacts) const;
   /// Takes Newton steps until the residual is negligible; gives up after twenty, or when they cycle. Returns
   /// whether the residual is negligible. Collective.
-  bool settle(double negligible, ContactState& state, Workspace& work, double softness = 0) const;
+  bool settle(double negligible, ContactState& state, Workspace& work, const Contacts& contacts) const;
   /// Solves with softness 1, or the least larger one that is solved, then with ever less down to zero, each
-  /// time from the solution before. The ratio of two values is at most ten, and smaller where Newton steps do
-  /// not settle. Returns whether the residual is negligible. Collective.
+  /// time from the solution before and with several values of Contacts::share. The ratio of two values is at
+  /// most ten, and smaller where Newton steps do not settle. Returns whether the residual is negligible.
+  /// Collective.
   bool harden(double negligible, ContactState& state, Workspace& work) const;
   /// Makes up to `most` sweeps of a block Gauss–Seidel iteration over the groups. Collective.
   void sweep(int most, double negligible, ContactState& state, Workspace& work) const;
