@@ -17,7 +17,7 @@ from .run_folder import RunFolder
 
 FRICTION_LOOKS = {"lost to friction so far": ("lost to friction", style.VERMILION, ":"),
                   "work of moving surfaces so far": ("moving surfaces", "#CC79A7", "--")}  # fmt: skip
-LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":")}
+LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":"), "obstacles": (style.BLUE, (0, (5, 1)))}
 
 
 def draw(run: RunFolder) -> list[Path]:

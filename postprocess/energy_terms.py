@@ -6,24 +6,24 @@ from collections.abc import Mapping
 import numpy as np
 
 Columns = Mapping[str, np.ndarray]
-DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation", "relaxation_dissipation")
+DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation", "relaxation_dissipation", "rigid_dissipation")
 ROUNDING = 1e-12  # relative to the largest energy
 # Columns of energies that only runs with the effect have, and the names of their curves.
-FURTHER = {"foundation_energy": "foundations", "relaxation_energy": "branches"}
+FURTHER = {"foundation_energy": "foundations", "relaxation_energy": "branches", "rigid_energy": "obstacles"}
 
 
 def stored_energy(steps: Columns) -> np.ndarray:
-    """Returns the kinetic and elastic energy at every time step, foundations and branches that relax included."""
+    """Returns the kinetic and elastic energy at every time step, those of foundations, of branches that relax and of obstacles with mass included."""
     return steps["kinetic_energy"] + steps["elastic_energy"] + sum(further_energies(steps).values())
 
 
 def further_energies(steps: Columns) -> dict[str, np.ndarray]:
-    """Returns the energies of foundations and of branches at every time step, by the names of their curves; only those that the run has."""
+    """Returns the energies of foundations, of branches and of obstacles with mass at every time step, by the names of their curves; only those that the run has."""
     return {name: steps[column] for column, name in FURTHER.items() if column in steps}
 
 
 def dissipated_so_far(steps: Columns) -> np.ndarray:
-    """Returns the energy dissipated until every time step by viscosity, dashpots of foundations, mass damping and relaxation."""
+    """Returns the energy dissipated until every time step by viscosity, dashpots, mass damping and relaxation."""
     return np.cumsum(sum(steps[name] for name in DISSIPATION if name in steps))
 
 

@@ -217,6 +217,8 @@ MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], st
     "Dissipated by mass damping": (lambda run: term(run, "drag_dissipation").sum(), depth("J")),
     "Largest energy in branches": (lambda run: term(run, "relaxation_energy").max(), depth("J")),
     "Dissipated by relaxation": (lambda run: term(run, "relaxation_dissipation").sum(), depth("J")),
+    "Largest energy of obstacles with mass": (lambda run: term(run, "rigid_energy").max(), depth("J")),
+    "Dissipated by dashpots of obstacles": (lambda run: term(run, "rigid_dissipation").sum(), depth("J")),
     "Work of contact": (lambda run: run.steps["contact_work"].sum(), depth("J")),
     "Work of friction": (lambda run: term(run, "friction_work").sum(), depth("J")),
     "Work of moving surfaces": (lambda run: term(run, "belt_work").sum(), depth("J")),

@@ -92,12 +92,14 @@ def energy_account(run: RunFolder) -> list[Table]:
     unit = per_depth("J", run.whole)
     foundation = given.get("foundation_at_start", 0), given.get("foundation_at_end", 0)
     terms = {"Kinetic and elastic at the start": given["kinetic_at_start"] + given["elastic_at_start"],
-             "Springs of foundations at the start": foundation[0],
+             "Springs of foundations at the start": foundation[0], "Obstacles with mass at the start": given.get("rigid_at_start", 0),
              "Work of the loads": given["load_work"], "Work of the control and of clamps": given["control_and_clamp_work"],
              **contact_works(given), "Dissipated by viscosity": -given["viscous_dissipation"],
              "Dissipated by dashpots of foundations": -given.get("foundation_dissipation", 0),
              "Dissipated by mass damping": -given.get("drag_dissipation", 0),
              "Dissipated by relaxation": -given.get("relaxation_dissipation", 0),
+             "Dissipated by dashpots of obstacles": -given.get("rigid_dissipation", 0),
+             "Obstacles with mass at the end": -given.get("rigid_at_end", 0),
              "Springs of foundations at the end": -foundation[1], "Branches at the end": -given.get("relaxation_at_end", 0),
              "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
     factor, unit = prefixed(np.array(list(terms.values())), unit)

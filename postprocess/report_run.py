@@ -160,7 +160,7 @@ def energies(run: RunFolder) -> Chart:
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
     note = ""
-    looks = {"foundations": (style.SKY, "longdashdot"), "branches": (style.ORANGE, "dot")}
+    looks = {"foundations": (style.SKY, "longdashdot"), "branches": (style.ORANGE, "dot"), "obstacles": (style.BLUE, "longdash")}
     curves += [line(name, times, energy * factor, *looks[name]) for name, energy in further.items()]
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))

@@ -154,6 +154,10 @@ void require_estimable(const scene::Scene& scene, const char* option, const char
     throw UserError(fmt::format("{}: cannot be combined with material.prony, since the error estimate does "
                                 "not include relaxation; {}",
                                 option, instead));
+  if (scene.rigid())
+    throw UserError(fmt::format("{}: cannot be combined with contact.obstacle.mass, since the error estimate "
+                                "does not include the obstacle's motion; {}",
+                                option, instead));
   if (scene.frictional())
     throw UserError(fmt::format("{}: cannot be combined with contact.friction, since the error estimate does "
                                 "not include slip; {}",

@@ -14,15 +14,22 @@ using petsc::check;
 ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, PetscInt first, PetscInt end)
     : comm_(comm), row_begin_{0} {
   std::size_t of_cluster = 0; // begin of the present cluster's dofs
+  std::vector<PetscInt> shared;
+  const auto place_of = [&](const Entry& entry) { // negative: a shared dof, whose place is not known yet
+    std::vector<PetscInt>& among = entry.shared ? shared : dofs_;
+    const auto from = entry.shared ? among.begin() : among.begin() + static_cast<std::ptrdiff_t>(of_cluster);
+    const auto at = static_cast<int>(std::find(from, among.end(), entry.dof) - among.begin());
+    if (at == std::ssize(among))
+      among.push_back(entry.dof);
+    return entry.shared ? -1 - at : at;
+  };
   const auto known = [&](const Entry& entry) {
-    return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof);
+    return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof) !=
+           dofs_.end();
   };
   const auto add_row = [&](const std::vector<Entry>& row) {
     for (const Entry& entry : row) {
-      const auto at = known(entry);
-      columns_.push_back(static_cast<int>(at - dofs_.begin()));
-      if (at == dofs_.end())
-        dofs_.push_back(entry.dof);
+      columns_.push_back(place_of(entry));
       motions_.push_back(entry.coefficient);
       forces_.push_back(entry.clamped ? 0 : entry.coefficient);
       clamped_.push_back(entry.clamped);
@@ -31,7 +38,7 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
     row_begin_.push_back(columns_.size());
   };
   for (const Group& group : groups) {
-    if (std::ranges::none_of(group.entries, [&](const Entry& entry) { return known(entry) != dofs_.end(); }))
+    if (std::ranges::none_of(group.entries, known))
       of_cluster = dofs_.size();
     add_row(group.entries);
     laws_.push_back(group.law);
@@ -48,6 +55,11 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
   }
   if (dofs_.size() > constrained)
     throw std::logic_error("a further row of a group has a dof that the group's first row lacks");
+  own_ = dofs_.size();
+  for (int& column : columns_)
+    if (column < 0)
+      column = static_cast<int>(own_) - 1 - column;
+  dofs_.insert(dofs_.end(), shared.begin(), shared.end());
   for (const PetscInt dof : dofs_)
     local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);
   find_clusters();
@@ -55,7 +67,7 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
 
 void ConstraintRows::find_clusters() {
   for (int group = 0; group < groups(); ++group) {
-    const auto [least, most] = std::ranges::minmax(columns(group));
+    const auto [least, most] = std::ranges::minmax(own_columns(group));
     if (clusters_.empty() || least >= clusters_.back().end)
       clusters_.push_back({group, group, least, least, false, false});
     Cluster& here = clusters_.back();
@@ -75,7 +87,7 @@ void ConstraintRows::find_clusters() {
     on_ranks += here.here;
   }
   MPI_Allreduce(MPI_IN_PLACE, &on_ranks, 1, MPI_INT, MPI_SUM, comm_);
-  across_ranks_ = on_ranks < static_cast<int>(clusters_.size());
+  across_ranks_ = on_ranks < static_cast<int>(clusters_.size()) || (share() && ranks(comm_) > 1);
 }
 
 ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
@@ -88,7 +100,7 @@ ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
 
 void ConstraintRows::spread(int group, std::span<double> out) const {
   std::ranges::fill(out, 0);
-  const std::span<const int> at = columns(group);
+  const std::span<const int> at = own_columns(group);
   const std::span<const double> values = force(group);
   for (std::size_t j = 0; j < at.size(); ++j)
     out[at[j] - cluster(group).begin] = values[j];
@@ -197,8 +209,10 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   std::vector<double> sums(rows_count());
   {
     const petsc::ReadArray d(diagonal);
-    for_each_here(forces_, sums.size(),
-                  [&](std::size_t row, std::size_t dof, double h) { sums[row] += h * h * d[dof]; });
+    for_each(forces_, 0, sums.size(), [&](std::size_t row, std::size_t column, double h) {
+      if (const int local = local_[column]; local >= 0 && column < own_)
+        sums[row] += h * h * d[local];
+    });
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
@@ -272,8 +286,12 @@ void ConstraintRows::prescribe(std::span<const int> set, std::span<const double>
         const std::span<const int> columns = this->columns(*at);
         const std::span<const double> row = motion(*at);
         double moved = 0;
-        for (std::size_t j = 0; j < row.size(); ++j)
-          moved += row[j] * here[columns[j] - cluster.begin];
+        for (std::size_t j = 0; j < row.size(); ++j) {
+          const auto column = static_cast<std::size_t>(columns[j]);
+          moved += row[j] * (column < own_ ? here[columns[j] - cluster.begin]
+                             : all.empty() ? values[local_[column]]
+                                           : all[column]);
+        }
         change[basis.size() - 1] = value[*at] - moved;
       }
     basis.shortest(change);

@@ -14,19 +14,20 @@ namespace signorini::contact {
 ///
 /// Rows form groups, each with one contact law: a group has one normal row without friction, and tangential
 /// rows too with friction. Row i < groups() is the first row of group i; the other rows follow after all
-/// first rows, group by group. First rows that share dofs form a cluster and have consecutive numbers: the
-/// rows of one node or, with a rigid body, all rows that act on the body. The matrix is the same on every
-/// rank. Arrays over rows have count() entries; arrays over first rows only, such as those over candidates,
-/// have groups() entries.
+/// first rows, group by group. First rows that have dofs of the mesh in common form a cluster and have
+/// consecutive numbers: those of one node. Dofs of virtual nodes are shared: rows of many clusters have them.
+/// The matrix is the same on every rank. Arrays over rows have count() entries; arrays over first rows only,
+/// such as those over candidates, have groups() entries.
 class ConstraintRows {
 public:
   struct Entry {
     PetscInt dof; ///< global number of the dof
     double coefficient;
     bool clamped;
+    bool shared = false; ///< whether the dof is that of a virtual node
   };
   struct Group {
-    std::vector<Entry> entries{};             ///< entries of the group's first row
+    std::vector<Entry> entries{};             ///< entries of the group's first row, shared dofs last
     std::vector<std::vector<Entry>> others{}; ///< at most two further rows, at dofs of the first row
     const Law* law = &unilateral;             ///< contact law of the group; must outlive the rows
   };
@@ -60,7 +61,7 @@ public:
     return part;
   }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
-  /// Global numbers of the constrained dofs, cluster by cluster.
+  /// Global numbers of the constrained dofs, cluster by cluster, shared dofs last.
   [[nodiscard]] const std::vector<PetscInt>& dofs() const { return dofs_; }
   [[nodiscard]] const std::vector<Cluster>& clusters() const { return clusters_; }
   [[nodiscard]] const Cluster& cluster(int group) const { return clusters_[cluster_of_[group]]; }
@@ -77,6 +78,9 @@ public:
   /// Whether some law has forces on groups that are not in contact.
   [[nodiscard]] bool act_open() const { return act_open_; }
 
+  /// Whether any row has shared dofs.
+  [[nodiscard]] bool share() const { return dofs_.size() > own_; }
+
   /// Nodal force of a unit multiplier: the row's coefficients at unclamped dofs, and zero at clamped ones.
   [[nodiscard]] std::span<const double> force(int row) const { return part(forces_, row); }
   /// Coefficients of a row at all of its dofs, clamped ones included.
@@ -86,7 +90,7 @@ public:
     return {&columns_[row_begin_[row]], row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[row]};
   }
   /// Sets `out` (width of the cluster) to the force coefficients of a group's first row at the dofs of its
-  /// cluster.
+  /// cluster; shared dofs are left out.
   void spread(int group, std::span<double> out) const;
   /// Sets `out` to the multipliers of all rows, with zero outside the active set.
   void spread(const ContactLinearisation& contact, std::span<double> out) const;
@@ -113,15 +117,17 @@ public:
   /// Returns the rows [first, first + count) of Hᵀ as a sparse matrix, all on rank 0, zero at clamped dofs.
   /// `layout`: any vector of V. Collective.
   [[nodiscard]] petsc::Matrix rows(int first, int count, Vec layout) const;
-  /// Returns Σ_j h_j² d_j for each row, where h are its force coefficients and d is a diagonal matrix.
-  /// Collective.
+  /// Returns Σ_j h_j² d_j for each row, where h are its force coefficients without those of shared dofs and d
+  /// is a diagonal matrix. Collective.
   [[nodiscard]] std::vector<double> weighted_squares(Vec diagonal) const;
 
   /// Computes the multipliers λ of the first rows of the groups in `set` (ascending), so that Hλ = x at the
   /// dofs of their clusters; all other multipliers become zero. There x must be a combination of these rows'
-  /// forces. Among linearly dependent rows, those that come first in `set` get the force. Collective.
+  /// forces. Shared dofs are not regarded. Among linearly dependent rows, those that come first in `set` get
+  /// the force. Collective.
   void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
-  /// Changes unclamped dofs of x as little as possible (Euclidean norm) so that Hᵀx = `value` on `set`. Among
+  /// Changes unclamped dofs of x that are not shared as little as possible (Euclidean norm) so that Hᵀx =
+  /// `value` on `set`. Among
   /// linearly dependent rows, only the first independent ones are satisfied. Collective.
   void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
 
@@ -137,6 +143,14 @@ private:
     return {&all[row_begin_[row]], columns(row).size()};
   }
   [[nodiscard]] std::size_t rows_count() const { return row_begin_.size() - 1; }
+  /// columns() without shared dofs.
+  [[nodiscard]] std::span<const int> own_columns(int row) const {
+    const std::span<const int> all = columns(row);
+    std::size_t own = all.size();
+    while (own > 0 && static_cast<std::size_t>(all[own - 1]) >= own_)
+      --own;
+    return all.first(own);
+  }
   /// Calls visit(row, column, coefficient) for each entry of the rows [first, end), row by row.
   template <class Visit>
   void for_each(const std::vector<double>& coefficients, std::size_t first, std::size_t end,
@@ -163,6 +177,7 @@ private:
   std::vector<double> motions_, forces_;
   std::vector<bool> clamped_; ///< whether each entry's dof is clamped
   std::vector<PetscInt> dofs_;
+  std::size_t own_ = 0;    ///< number of constrained dofs that are not shared
   std::vector<int> local_; ///< local numbers of dofs_; −1 if another rank owns the dof
   std::vector<Cluster> clusters_;
   std::vector<int> cluster_of_; ///< cluster of each group

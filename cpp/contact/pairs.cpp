@@ -84,6 +84,9 @@ ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& cl
                          space.mesh().axisymmetric());
     if (shapes_.back().moves())
       moving_.push_back(i);
+    rigid_.emplace_back();
+    if (contacts[i].rigid)
+      rigid_.back().emplace(space, contacts, i);
     friction_.emplace_back();
     if (contacts[i].frictional()) {
       const bool bounded = contacts[i].bound.has_value();
@@ -222,6 +225,8 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       group.law = contacts[obstacle].bound ? static_cast<const Law*>(&tresca) : &coulomb;
       add_tangents(node, group);
     }
+    if (rigid_[obstacle])
+      append_rigid(node, group);
     groups.push_back(std::move(group));
     points_.insert(points_.end(), node.x.begin(), node.x.end());
     psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
@@ -240,6 +245,15 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
   rows_.emplace(comm_, groups, space.first_dof(), end);
+  on_all_ranks(comm_, [&] {
+    for (const ConstraintRows::Cluster& node : rows_->clusters())
+      for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)
+        if (rigid(obstacles_[i]))
+          throw UserError(
+              fmt::format("{}.on: the node at {} is a candidate of another obstacle too, which obstacles "
+                          "with mass do not permit; choose groups without common nodes",
+                          keys_[obstacles_[i]], shown(*this, i)));
+  });
   if (rows_->symmetric())
     return;
   friction_at_start_.resize(psi_.size());
@@ -261,25 +275,45 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   });
 }
 
+void ContactPairs::append_rigid(const BoundaryNode& node, ConstraintRows::Group& group) const {
+  const RigidMotion& motion = *rigid_[static_cast<std::size_t>(node.obstacle)];
+  const auto append = [&](std::vector<ConstraintRows::Entry>& row) {
+    std::vector<double> direction;
+    for (const ConstraintRows::Entry& entry : row)
+      direction.push_back(entry.coefficient);
+    motion.append(node.x.data(), direction, row);
+  };
+  append(group.entries);
+  for (std::vector<ConstraintRows::Entry>& row : group.others)
+    append(row);
+}
+
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
   Rates rates{.psi = std::vector<double>(m), .rows = {}};
-  std::vector<double> normals(m * dim);
+  std::vector<double> coefficients; // of the rows
   const Obstacle& shape = shapes_[obstacle];
   const Obstacle::Place place = shape.place(0);
   bool turns = false;
   for (std::size_t i = 0; i < m; ++i) {
-    if (obstacles_[i] != obstacle)
-      continue;
-    const Obstacle::Plane change = shape.derivative(&points_[3 * i], place, rate);
-    rates.psi[i] = change.height;
-    for (std::size_t c = 0; c < dim; ++c) {
-      normals[i * dim + c] = -change.normal[c];
-      turns |= change.normal[c] != 0;
+    std::vector<double> turned(dim);
+    if (obstacles_[i] == obstacle) {
+      const Obstacle::Plane change = shape.derivative(&points_[3 * i], place, rate);
+      rates.psi[i] = change.height;
+      for (std::size_t c = 0; c < dim; ++c) {
+        turned[c] = -change.normal[c];
+        turns |= change.normal[c] != 0;
+      }
     }
+    std::vector<ConstraintRows::Entry> of_rigid;
+    if (const RigidMotion* motion = rigid(obstacles_[i]))
+      motion->append(&points_[3 * i], turned, of_rigid);
+    coefficients.insert(coefficients.end(), turned.begin(), turned.end());
+    for (const ConstraintRows::Entry& entry : of_rigid)
+      coefficients.push_back(entry.coefficient);
   }
   if (turns)
-    rates.rows = rows().with(std::move(normals));
+    rates.rows = rows().with(std::move(coefficients));
   return rates;
 }
 

@@ -4,6 +4,7 @@
 #include "contact/contact_state.h"
 #include "contact/lcp/goldfarb_idnani.h"
 #include "contact/obstacle.h"
+#include "contact/rigid_body.h"
 #include "fem/operators.h"
 #include <memory>
 #include <optional>
@@ -82,7 +83,12 @@ public:
   /// Sets rates.psi to the derivatives at time t (s); does nothing if the obstacle does not move.
   void set_time(int obstacle, const scene::ObstacleRate& rate, double t, Rates& rates) const;
 
-  /// Whether any obstacle moves.
+  /// Motion of an obstacle (number in the scene) with mass; null without mass.
+  [[nodiscard]] const RigidMotion* rigid(int obstacle) const {
+    const auto& motion = rigid_[static_cast<std::size_t>(obstacle)];
+    return motion ? &*motion : nullptr;
+  }
+  /// Whether any obstacle moves as the scene prescribes.
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
 
   /// Obstacle of pair i.
@@ -144,6 +150,9 @@ private:
   [[nodiscard]] std::vector<BoundaryNode> boundary_nodes(const std::vector<scene::Contact>& contacts,
                                                          const fem::Space& space,
                                                          const fem::DirichletDofs& clamped);
+  /// Appends the motion of an obstacle with mass to the rows of its pair `group`, which has the entries of
+  /// the node alone.
+  void append_rigid(const BoundaryNode& node, ConstraintRows::Group& group) const;
   /// Adds the tangential rows of a pair whose normal row `group` has. Components that are clamped as a whole
   /// are left out. Throws UserError if a clamp holds a tangent in part.
   void add_tangents(const BoundaryNode& node, ConstraintRows::Group& group) const;
@@ -164,6 +173,7 @@ private:
   std::vector<std::string> keys_;
   std::vector<bool> project_; ///< for each obstacle: whether contact.initial moves nodes out of it
   std::vector<Obstacle> shapes_;
+  std::vector<std::optional<RigidMotion>> rigid_; ///< of each obstacle; absent without mass
   /// Coefficient or bound of friction, and surface velocity, of each obstacle; absent without friction or
   /// motion.
   std::vector<std::optional<scene::Field>> friction_, surface_velocity_;

@@ -25,6 +25,13 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 
 } // namespace
 
+namespace {
+/// Number of owned dofs of the mesh; those of virtual nodes follow.
+std::size_t mesh_dofs(const fem::Space& space) {
+  return static_cast<std::size_t>(space.owned_nodes()) * static_cast<std::size_t>(space.dim());
+}
+} // namespace
+
 /// Sums of a balance. They take one pass over the dofs for each product with a matrix, and one reduction over
 /// the ranks.
 struct Balance::Sums {
@@ -32,6 +39,7 @@ struct Balance::Sums {
   double momentum_moduli = 0;                    ///< sum of the moduli of Mv
   double internal_moduli = 0;                    ///< sum of the moduli of Ay and of Σ A_j q̄_j
   double viscous = 0;                            ///< w·Bw
+  double rigid = 0, rigid_dashpots = 0;          ///< shares of virtual nodes in v·Mv + y·Ay and in w·Bw
   double foundation = 0, dashpots = 0, drag = 0; ///< shares of foundations and drag in y·Ay and w·Bw
   double branches = 0, relaxed = 0;              ///< Σ q_j·A_j q_j and Σ q̄_j·A_j q̄_j/t_j
   double load = 0, contact = 0;                  ///< work of the loads, of contact
@@ -74,6 +82,7 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     add_surroundings(frame, sums);
   sums.add_up(stepper_.space().comm());
   now.kinetic_energy = sums.kinetic / 2;
+  now.rigid_energy = sums.rigid / 2;
   now.foundation_energy = sums.foundation / 2;
   now.relaxation_energy = sums.branches / 2;
   now.elastic_energy = sums.elastic / 2 - now.foundation_energy;
@@ -91,9 +100,11 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
     now.load_work = sums.load;
   now.foundation_dissipation = tau * sums.dashpots;
   now.drag_dissipation = tau * sums.drag;
+  now.rigid_dissipation = tau * sums.rigid_dashpots;
   now.relaxation_dissipation = tau * sums.relaxed;
   if (stepper_.operators().viscous)
-    now.viscous_dissipation = tau * sums.viscous - now.foundation_dissipation - now.drag_dissipation;
+    now.viscous_dissipation =
+        tau * (sums.viscous - sums.rigid_dashpots) - now.foundation_dissipation - now.drag_dissipation;
   now.external_work = sums.load;
   now.contact_work = sums.contact;
   if (!ways_.empty())
@@ -125,8 +136,10 @@ void Balance::add_state(const trajectory::Frame& frame, Sums& sums) {
   check(MatMult(stepper_.operators().A, frame.after.y(), Ay1_));
   check(MatMult(stepper_.M(), frame.after.v(), Mv1_));
   const petsc::ReadArray y(frame.after.y()), v(frame.after.v()), Ay(Ay1_), Mv(Mv1_);
-  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
-  for (std::size_t i = 0; i < y.size();)
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim()), mesh = mesh_dofs(stepper_.space());
+  for (std::size_t i = mesh; i < y.size(); ++i)
+    sums.rigid += v[i] * Mv[i] + y[i] * Ay[i];
+  for (std::size_t i = 0; i < mesh;)
     for (std::size_t c = 0; c < dim; ++c, ++i) {
       sums.kinetic += v[i] * Mv[i];
       sums.elastic += y[i] * Ay[i];
@@ -164,14 +177,22 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
   const petsc::WriteArray defect(defect_);
   const auto inertia = [&](std::size_t i) { return (Mv1[i] - Mv0[i]) / tau; };
   const auto jump = [&](std::size_t i) { return tau * (w[i] - (v0[i] + v1[i]) / 2) * inertia(i); };
-  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
-  for (std::size_t i = 0; i < w.size();)
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim()), mesh = mesh_dofs(stepper_.space());
+  const auto add_work = [&](std::size_t i) {
+    const double moved = y1[i] - y0[i];
+    sums.viscous += w[i] * Bw[i];
+    sums.load += load[i] * moved;
+    sums.contact += force[i] * moved;
+    sums.jump += jump(i);
+  };
+  for (std::size_t i = mesh; i < w.size(); ++i) {
+    add_work(i);
+    sums.rigid_dashpots += w[i] * Bw[i];
+    defect[i] = 0;
+  }
+  for (std::size_t i = 0; i < mesh;)
     for (std::size_t c = 0; c < dim; ++c, ++i) {
-      const double moved = y1[i] - y0[i];
-      sums.viscous += w[i] * Bw[i];
-      sums.load += load[i] * moved;
-      sums.contact += force[i] * moved;
-      sums.jump += jump(i);
+      add_work(i);
       sums.rate[c] += inertia(i);
       sums.applied[c] += load[i];
       sums.contact_force[c] += force[i];

@@ -23,6 +23,8 @@ struct StepBalance {
   double drag_dissipation = 0;       ///< τ w·Bw of the step, by the mass-proportional part of B
   double relaxation_energy = 0;      ///< ½ Σ q_j·A_j q_j at the end of the step, over the branches
   double relaxation_dissipation = 0; ///< Σ τ/t_j q̄_j·A_j q̄_j of the step, q̄_j = (q_j,k−1 + q_j,k)/2
+  double rigid_energy = 0;           ///< of obstacles with mass and of their springs, at the end of the step
+  double rigid_dissipation = 0;      ///< τ w·Bw of the step, by the dashpots of obstacles with mass
   double external_work = 0;          ///< work of loads and control, f·(y_k − y_{k−1}), and of moving clamps
   double load_work = 0;              ///< work of the scene's loads alone
   double contact_work = 0;           ///< F_k·(y_k − y_{k−1}); never positive if obstacles are at rest
@@ -33,9 +35,10 @@ struct StepBalance {
   std::array<double, 3> momentum{};          ///< momentum at the end of the step, kg m/s
   std::array<double, 3> momentum_residual{}; ///< rate of momentum minus loads, contact forces and reactions
                                              ///< of clamps and surroundings
-  /// Returns the energy of the body, with its branches, and of its foundations at the end of the step.
+  /// Returns the energy of the body, with its branches, of its foundations and of obstacles with mass at the
+  /// end of the step.
   [[nodiscard]] double energy() const {
-    return kinetic_energy + elastic_energy + foundation_energy + relaxation_energy;
+    return kinetic_energy + elastic_energy + foundation_energy + relaxation_energy + rigid_energy;
   }
   double momentum_scale =
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual

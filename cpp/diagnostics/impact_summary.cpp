@@ -48,6 +48,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.elastic_at_end = balance.elastic_energy;
   energy_.foundation_at_end = balance.foundation_energy;
   energy_.relaxation_at_end = balance.relaxation_energy;
+  energy_.rigid_at_end = balance.rigid_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
@@ -62,6 +63,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
     energy_.kinetic_at_start = balance.kinetic_energy;
     energy_.elastic_at_start = balance.elastic_energy;
     energy_.foundation_at_start = balance.foundation_energy;
+    energy_.rigid_at_start = balance.rigid_energy;
     return;
   }
   energy_.load_work += balance.load_work;
@@ -73,6 +75,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.foundation_dissipation += balance.foundation_dissipation;
   energy_.drag_dissipation += balance.drag_dissipation;
   energy_.relaxation_dissipation += balance.relaxation_dissipation;
+  energy_.rigid_dissipation += balance.rigid_dissipation;
   energy_.residual += balance.energy_residual;
   if (impact_.obstacles.empty())
     return;
@@ -240,7 +243,7 @@ std::string ImpactSummary::no_restitution_reason() const {
     return "a foundation acts on the body";
   if (stepper_.operators().drag)
     return "mass damping acts on the body";
-  if (moving_)
+  if (moving_ || !stepper_.space().layout().virtual_nodes().empty())
     return "an obstacle moves";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"
                                                                         : "";

@@ -86,7 +86,9 @@ struct EnergyAccount {
   double foundation_dissipation = 0, drag_dissipation = 0; ///< dissipation by dashpots and by mass damping
   double relaxation_at_end = 0;                            ///< energy of branches, which start without any
   double relaxation_dissipation = 0;                       ///< dissipation by relaxation
-  double residual = 0;                                     ///< residual of the energy law
+  double rigid_at_start = 0, rigid_at_end = 0; ///< energy of obstacles with mass, and of their springs
+  double rigid_dissipation = 0;                ///< dissipation by their dashpots
+  double residual = 0;                         ///< residual of the energy law
 
   /// Returns the work of contact without friction: that of a scheme, or of obstacles that move.
   [[nodiscard]] double normal_work() const { return contact_work - friction_work - belt_work; }

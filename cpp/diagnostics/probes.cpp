@@ -113,6 +113,19 @@ void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
   add_vector(probe, "impulse", [=](std::size_t c) {
     return [=](const Sample& now) { return now.obstacles[obstacle].impulse[c]; };
   });
+  const contact::RigidMotion* motion = stepper_.pairs()->rigid(static_cast<int>(obstacle));
+  if (!motion)
+    return;
+  const std::size_t first = weights_.size();
+  for (std::size_t c = 0; c < dim_ + motion->rotations(); ++c)
+    weights_.push_back(motion->weights(c));
+  add_vector(probe, "displacement", [&](std::size_t c) { return linear(first + c, &Sample::y); });
+  add_vector(probe, "velocity", [&](std::size_t c) { return linear(first + c, &Sample::v); });
+  for (const auto& [quantity, field] : {std::pair("rotation", &Sample::y), std::pair("rate", &Sample::v)})
+    for (std::size_t c = 0; c < motion->rotations(); ++c)
+      add_column(probe,
+                 motion->rotations() == 1 ? std::string(quantity) : fmt::format("{}_{}", quantity, axes[c]),
+                 linear(first + dim_ + c, field));
 }
 
 void Probes::add_group(const std::string& probe, const std::string& group, const std::string& key) {

@@ -103,22 +103,26 @@ void add_impact(const diagnostics::Impact& impact, const Body& body, std::vector
 }
 
 void add_energy(const diagnostics::EnergyAccount& energy, const Body& body, std::vector<std::string>& lines) {
-  const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start,
+  const double start = energy.kinetic_at_start + energy.elastic_at_start + energy.foundation_at_start +
+                       energy.rigid_at_start,
                end = energy.kinetic_at_end + energy.elastic_at_end + energy.foundation_at_end +
-                     energy.relaxation_at_end;
+                     energy.relaxation_at_end + energy.rigid_at_end;
   const bool foundations = energy.foundation_at_start > 0 || energy.foundation_at_end > 0,
-             branches = energy.relaxation_at_end > 0;
-  std::string text = fmt::format("energy, kinetic and elastic{}: {:.4g} {} at the start",
-                                 foundations && branches ? ", with that of foundations and branches"
-                                 : foundations           ? ", with that of foundations"
-                                 : branches              ? ", with that of branches"
-                                                         : "",
-                                 start, "J" + body.per_depth);
+             branches = energy.relaxation_at_end > 0,
+             rigid = energy.rigid_at_start > 0 || energy.rigid_at_end > 0;
+  std::vector<const char*> others;
+  for (const auto& [is, what] : {std::pair(foundations, "foundations"), std::pair(branches, "branches"),
+                                 std::pair(rigid, "obstacles")})
+    if (is)
+      others.push_back(what);
+  std::string text = fmt::format("energy, kinetic and elastic{}{}: {:.4g} {} at the start",
+                                 others.empty() ? "" : ", with that of ", fmt::join(others, " and "), start,
+                                 "J" + body.per_depth);
   constexpr double rounding = 1e-12;
   const double largest =
       std::max({start, std::abs(energy.load_work), std::abs(energy.other_work), std::abs(energy.contact_work),
                 energy.viscous_dissipation, energy.foundation_dissipation, energy.drag_dissipation,
-                energy.relaxation_dissipation});
+                energy.relaxation_dissipation, energy.rigid_dissipation});
   const auto add = [&](const char* by, double work) {
     if (std::abs(work) > rounding * largest)
       text += fmt::format(", {:+.4g} by {}", work, by);
@@ -132,11 +136,14 @@ void add_energy(const diagnostics::EnergyAccount& energy, const Body& body, std:
   add("dashpots of foundations", -energy.foundation_dissipation);
   add("mass damping", -energy.drag_dissipation);
   add("relaxation", -energy.relaxation_dissipation);
+  add("dashpots of obstacles", -energy.rigid_dissipation);
   text += fmt::format(": {:.4g} at the end, {:.4g} of it elastic", end, energy.elastic_at_end);
   if (foundations)
     text += fmt::format(", {:.4g} in foundations", energy.foundation_at_end);
   if (branches)
     text += fmt::format(", {:.4g} in branches", energy.relaxation_at_end);
+  if (rigid)
+    text += fmt::format(", {:.4g} in obstacles", energy.rigid_at_end);
   lines.push_back(std::move(text));
 }
 

@@ -138,8 +138,9 @@ Deformation deformation(const Space& space, Vec y) {
   dolfinx::la::Vector<double> values(dofmap->index_map, dim);
   {
     const petsc::ReadArray owned(y);
-    const std::span<const double> all = owned;
-    std::ranges::copy(all, dolfinx_versions::entries(values).begin());
+    const std::span<const double> all = owned; // those of virtual nodes follow
+    std::ranges::copy(all.first(n * static_cast<std::size_t>(space.owned_nodes())),
+                      dolfinx_versions::entries(values).begin());
   }
   values.scatter_fwd();
   const std::span<const double> at_dofs = values.array();

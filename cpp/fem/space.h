@@ -47,6 +47,10 @@ public:
   [[nodiscard]] PetscInt dofs() const { return dofs_; }
 
   [[nodiscard]] const std::vector<VirtualNode>& virtual_nodes() const { return virtual_; }
+  /// Global number of the first dof of a virtual node.
+  [[nodiscard]] PetscInt first_dof_of_virtual(std::size_t node) const {
+    return dofs_ - static_cast<PetscInt>(virtual_.size() - node) * dim_;
+  }
   /// Whether this rank owns the virtual nodes.
   [[nodiscard]] bool owns_virtual_nodes() const { return owns_virtual_nodes_; }
 

@@ -16,9 +16,12 @@ constexpr const char* axes[] = {"x", "y", "z"};
 } // namespace
 
 StepsColumns StepsColumns::of(const scene::Scene& scene, bool tracking) {
-  return {tracking, !scene.foundations.empty(),
+  return {tracking,
+          !scene.foundations.empty(),
           std::ranges::any_of(scene.materials, &scene::Material::dragged),
-          std::ranges::any_of(scene.materials, &scene::Material::relaxes), scene.frictional()};
+          std::ranges::any_of(scene.materials, &scene::Material::relaxes),
+          scene.frictional(),
+          scene.rigid()};
 }
 
 std::string steps_header(int dim, const StepsColumns& columns) {
@@ -27,12 +30,13 @@ std::string steps_header(int dim, const StepsColumns& columns) {
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
   return text + fmt::format("active,weak,min_gap,vi_iterations,momentum_residual,complementarity{},"
-                            "normal_force,load_work{}{}{}{}\n",
+                            "normal_force,load_work{}{}{}{}{}\n",
                             columns.tracking ? ",tracking_error" : "",
                             columns.foundation ? ",foundation_energy,foundation_dissipation" : "",
                             columns.drag ? ",drag_dissipation" : "",
                             columns.relaxation ? ",relaxation_energy,relaxation_dissipation" : "",
-                            columns.friction ? ",friction_work,belt_work,slip,stick" : "");
+                            columns.friction ? ",friction_work,belt_work,slip,stick" : "",
+                            columns.rigid ? ",rigid_energy,rigid_dissipation" : "");
 }
 
 void add_steps_row(std::string& text, const StepsColumns& columns, int k, double time, int dim,
@@ -61,6 +65,8 @@ void add_steps_row(std::string& text, const StepsColumns& columns, int k, double
   if (columns.friction)
     fmt::format_to(out, ",{},{},{},{}", balance.friction_work, balance.belt_work,
                    contact.count(contact::Motion::slips), contact.count(contact::Motion::sticks));
+  if (columns.rigid)
+    fmt::format_to(out, ",{},{}", balance.rigid_energy, balance.rigid_dissipation);
   text += '\n';
 }
 

@@ -22,6 +22,7 @@ struct StepsColumns {
   bool drag = false;       ///< dissipation by mass damping
   bool relaxation = false; ///< energy and dissipation of branches of a Prony series
   bool friction = false;   ///< works of friction, numbers of candidates that slip and stick
+  bool rigid = false;      ///< energy and dissipation of obstacles with mass
 
   /// Columns of a scene; `tracking`: whether the run has an objective.
   static StepsColumns of(const scene::Scene& scene, bool tracking);

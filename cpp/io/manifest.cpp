@@ -34,6 +34,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
       {"contact", !scene.contacts.empty()},
       {"friction", scene.frictional()},
+      {"rigid body", scene.rigid()},
       {"static start", scene.initial.equilibrium},
       {"steps of varying length", scene.time.automatic()},
       {"contact-stabilized", !scene.contacts.empty() && scheme == scene::ContactScheme::contact_stabilized},
@@ -167,6 +168,11 @@ ordered_json energy_json(const diagnostics::EnergyAccount& energy, const StepsCo
   if (columns.relaxation) {
     json["relaxation_dissipation"] = energy.relaxation_dissipation;
     json["relaxation_at_end"] = energy.relaxation_at_end;
+  }
+  if (columns.rigid) {
+    json["rigid_at_start"] = energy.rigid_at_start;
+    json["rigid_dissipation"] = energy.rigid_dissipation;
+    json["rigid_at_end"] = energy.rigid_at_end;
   }
   return json;
 }

@@ -202,7 +202,8 @@ step::Stepper::Needs fit_needs(const scene::Scene& scene) {
 SpaceDiscretisation::SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
                                          const mesh::Meshing& meshing)
     : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene, meshing); })),
-      space(mesh, scene.mesh.degree) {}
+      space(mesh, scene.mesh.degree,
+            contact::virtual_nodes(scene.contacts, mesh.dim(), mesh.axisymmetric())) {}
 
 Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
                  step::Stepper::Needs needs, Timers& t, trajectory::Stops stops)
@@ -219,8 +220,8 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
       initial(trajectory::initial_state(stepper, s.initial)) {
   if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
-  if (s.load)
-    scene_load.emplace(space, stepper.M(), *s.load, stepper.end());
+  if (step::SceneLoad::acts(s))
+    scene_load.emplace(space, stepper.M(), s, stepper.end());
   if (s.initial.equilibrium)
     start_in_equilibrium(stepper, operators, s, scene_load ? &*scene_load : nullptr, initial.y());
   if (!s.output.probes.empty())

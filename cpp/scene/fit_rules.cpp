@@ -57,6 +57,11 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
       std::holds_alternative<Ball>(contact.obstacle) || std::holds_alternative<Cylinder>(contact.obstacle);
   if (round && !of_friction(unknown.of) && moves(contact.obstacle))
     in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves; it must be at rest", of));
+  const bool moves_center = unknown.of == Parameter::position || unknown.of == Parameter::center;
+  if (moves_center && contact.rigid && !contact.rigid->inertia.empty() && contact.rigid->mass_center.empty())
+    in.fail("of", fmt::format("found \"{}\" of an obstacle that turns about this point; give "
+                              "obstacle.mass_center",
+                              of));
   if (contact.initial == ContactStart::project && !of_friction(unknown.of))
     in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", with which the "
                               "initial positions of nodes would depend on the unknown; set initial to "

@@ -86,6 +86,52 @@ ContactScheme Scene::contact_scheme() const {
                                                        : ContactScheme::contact_implicit;
 }
 
+namespace {
+
+/// Checks the keys of an obstacle with mass, those of a table [contact] being `in`.
+void require_rules_of_mass(Reader& in, const RigidBody& body, const Contact& contact, const Scene& scene) {
+  const Reader table = in.table("obstacle");
+  if (moves(contact.obstacle))
+    table.fail("mass",
+               "found with an obstacle whose expressions contain t; its motion is either prescribed or "
+               "free, so remove one of them");
+  if (contact.initial == ContactStart::project)
+    in.fail("initial", "found \"project\" with an obstacle that has mass; move the body or the obstacle");
+  if (scene.time.automatic())
+    table.fail("mass", "found together with time.step = \"auto\", whose choice does not regard the motion of "
+                       "the obstacle; give a step length");
+  const auto above = [&](const std::vector<double>& values, const char* key, bool zero) {
+    for (const double value : values)
+      if (!(value > 0 || (zero && value == 0)))
+        table.fail(key, fmt::format("found {}; expected numbers {} 0", value, zero ? "at least" : "above"));
+  };
+  above(body.stiffness, "stiffness", true);
+  above(body.damping, "damping", true);
+  above(body.inertia, "inertia", false);
+  const bool held =
+      !body.stiffness.empty() && std::ranges::all_of(body.stiffness, [](double k) { return k > 0; });
+  if (body.mass == 0 && (!held || scene.time.scheme == TimeScheme::contact_stabilized))
+    table.fail("mass",
+               held ? "found 0 with time.scheme \"contact-stabilized\", whose projection needs masses; "
+                      "use \"contact-implicit\""
+                    : "found 0 without stiffness in every component; give stiffness, or a mass above 0");
+  if (!body.mass_center.empty() && body.inertia.empty())
+    table.fail("mass_center", "has no effect on an obstacle that does not turn; give inertia");
+  if (!body.inertia.empty() && body.mass_center.empty() &&
+      std::holds_alternative<SignedDistance>(contact.obstacle))
+    table.fail("inertia", "found without the point about which the obstacle turns; give mass_center");
+  if (!scene.mesh.axisymmetric())
+    return;
+  if (!body.inertia.empty())
+    table.fail("inertia", "found in axial symmetry, where obstacles move along the axis alone; remove it");
+  if (body.components && std::ranges::find(*body.components, Component::x) != body.components->end())
+    table.fail("components",
+               "found \"x\", the radius, along which an obstacle around the axis cannot move; use "
+               "[\"y\"]");
+}
+
+} // namespace
+
 void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", whose projection needs the "
@@ -106,11 +152,15 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
       moves(contact.obstacle))
     in.fail("friction", "found with a signed distance that moves, whose motion along the surface is not "
                         "defined; use another shape, or obstacle.surface_velocity of one at rest");
+  if (contact.rigid)
+    require_rules_of_mass(in, *contact.rigid, contact, scene);
   if (contact.surface_velocity && !contact.frictional())
     in.table("obstacle").fail("surface_velocity", "has no effect without friction; give contact.friction");
 }
 
-void require_rules(Reader& in, const Initial& initial, const Scene&) {
+void require_rules(Reader& in, const Initial& initial, const Scene& scene) {
+  if (initial.equilibrium && scene.rigid())
+    in.fail("static", "found with an obstacle that has mass, whose place of rest is not searched; remove it");
   if (initial.equilibrium && initial.displacement)
     in.fail("static", "found together with initial.displacement, which it replaces; remove one of them");
 }
@@ -183,6 +233,10 @@ std::string obstacle_name(Reader& in, const Scene& scene) {
 }
 
 void require_rules(Reader& in, const Solver& solver, const Scene& scene) {
+  if (solver.vi == ViMethod::full && scene.rigid())
+    in.fail("vi",
+            "found \"full\" with an obstacle that has mass, whose constraints are no bounds on unknowns; "
+            "leave it out");
   if (solver.vi == ViMethod::full && scene.frictional())
     in.fail("vi", "found \"full\" with contact.friction, whose steps are no variational inequality in the "
                   "displacements; use \"condensed\"");
@@ -317,6 +371,23 @@ public:
                shape);
   }
 
+  void rigid_body(const RigidBody& body, const std::string& key) const {
+    const auto given = [&](const std::vector<double>& values, const char* name, bool one_allowed) {
+      if (!values.empty())
+        vector(values.size(), key + name, one_allowed);
+    };
+    given(body.velocity, "velocity", false);
+    given(body.mass_center, "mass_center", false);
+    given(body.stiffness, "stiffness", true);
+    given(body.damping, "damping", true);
+    vector(body.force, key + "force");
+    acting(body.components, key + "components");
+    const std::size_t turns = dim_ == 2 ? 1 : 3;
+    if (!body.inertia.empty() && body.inertia.size() != turns)
+      throw UserError(fmt::format("{}: found {} numbers; expected {}, since the mesh is {}-dimensional",
+                                  where(key + "inertia"), body.inertia.size(), turns, dim_));
+  }
+
 private:
   /// Key, preceded by "--set" or by the name of the scene file, whichever gave the key.
   [[nodiscard]] std::string where(const std::string& key) const {
@@ -338,6 +409,8 @@ void require_dimension(const Scene& scene, int dim) {
     const std::string key = contact_key(scene.contacts, i) + ".obstacle.";
     require.obstacle(scene.contacts[i].obstacle, key);
     require.vector(scene.contacts[i].surface_velocity, key + "surface_velocity");
+    if (const auto& body = scene.contacts[i].rigid)
+      require.rigid_body(*body, key);
   }
   for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
     const Clamp& clamp = scene.clamps[i];

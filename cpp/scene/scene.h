@@ -65,6 +65,19 @@ struct FrictionBound {
   Expression traction = 0; ///< largest tangential traction, Pa, as an expression in x, y, z, t
 };
 
+/// Mass of an obstacle that moves freely, and what acts on it besides the body. Vectors have one entry per
+/// space dimension.
+struct RigidBody {
+  double mass = 0;                                  ///< kg; in plane strain and plane stress kg/m
+  std::vector<double> velocity;                     ///< at the start, m/s; empty: at rest
+  std::optional<std::vector<Component>> components; ///< free translations; absent: all
+  std::vector<double> inertia;                      ///< kg m², of each free rotation; empty: it does not turn
+  std::vector<double> mass_center;                  ///< m; empty: the obstacle's point or centre
+  std::optional<Components> force;                  ///< N, as expressions in t
+  std::vector<double> stiffness; ///< of springs to the ground, N/m: one or one per component
+  std::vector<double> damping;   ///< of dashpots to the ground, N s/m, likewise
+};
+
 /// Table [contact], or one of [[contact]].
 struct Contact {
   std::string on; ///< physical group of the contact candidates
@@ -77,6 +90,7 @@ struct Contact {
   /// Velocity of the obstacle's material along its surface, in addition to that of its motion, m/s, as
   /// expressions in x, y, z, t; its normal part has no effect.
   std::optional<Components> surface_velocity;
+  std::optional<RigidBody> rigid; ///< absent if the obstacle does not move or moves as prescribed
 
   /// Whether the candidates of this obstacle have no mass along the contact normal.
   [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
@@ -307,6 +321,10 @@ struct Scene {
   [[nodiscard]] ContactScheme contact_scheme() const;
   /// Whether an obstacle has friction.
   [[nodiscard]] bool frictional() const { return std::ranges::any_of(contacts, &Contact::frictional); }
+  /// Whether an obstacle has mass.
+  [[nodiscard]] bool rigid() const {
+    return std::ranges::any_of(contacts, [](const Contact& contact) { return contact.rigid.has_value(); });
+  }
   /// Whether a material relaxes.
   [[nodiscard]] bool relaxes() const { return std::ranges::any_of(materials, &Material::relaxes); }
 };

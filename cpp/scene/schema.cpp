@@ -199,7 +199,51 @@ Keys<SignedDistance> keys_of(Of<SignedDistance>) {
       "0.1*x^2\"`, in any unit")};
 }
 
+Keys<RigidBody> keys_of(Of<RigidBody>) {
+  const auto moves = [](KeyInfo info = {}) {
+    info.effect = "rigid body";
+    return info;
+  };
+  const auto without = [&](const char* otherwise) { return moves({.otherwise = otherwise}); };
+  return {
+      required("mass", &RigidBody::mass, Number{not_negative}, "kg",
+               "mass of an obstacle that moves freely, hit by the body (in plane strain and plane stress "
+               "kg/m; in axial symmetry of the whole obstacle). It starts at the given place, and "
+               "`load.gravity` acts on it. 0 if `stiffness` holds it",
+               moves()),
+      value("velocity", &RigidBody::velocity, Numbers{}, "m/s", "velocity of its centre of mass at the start",
+            without("at rest"), [](const RigidBody& body) { return !body.velocity.empty(); }),
+      value("components", &RigidBody::components, Acting{}, "", "components in which it moves",
+            without("`[\"x\", \"y\"]`; in axial symmetry `[\"y\"]`")),
+      value("inertia", &RigidBody::inertia, Bound{}, "kg m²",
+            "moments of inertia about its centre of mass: one in the plane, three in space, about the axes. "
+            "It turns too, by small angles",
+            without("it does not turn"), [](const RigidBody& body) { return !body.inertia.empty(); }),
+      value("mass_center", &RigidBody::mass_center, Numbers{}, "m",
+            "its centre of mass, about which it turns", without("the obstacle's point or centre"),
+            [](const RigidBody& body) { return !body.mass_center.empty(); }),
+      value("force", &RigidBody::force, Point{}, "N", "force on it, in plane strain and plane stress N/m",
+            without("none")),
+      value("stiffness", &RigidBody::stiffness, Bound{}, "N/m",
+            "stiffness of springs to the ground, as those of a load cell; they are relaxed at the start",
+            without("none"), [](const RigidBody& body) { return !body.stiffness.empty(); }),
+      value("damping", &RigidBody::damping, Bound{}, "N s/m", "of dashpots to the ground", without("none"),
+            [](const RigidBody& body) { return !body.damping.empty(); })};
+}
+
 namespace {
+
+/// Reads the keys of an obstacle's mass if the table has any of them.
+std::optional<RigidBody> rigid_body(Reader& table, const Scene& scene) {
+  std::optional<RigidBody> body;
+  for (const Key<RigidBody>& key : schema::table<RigidBody>())
+    if (table.has(key.name))
+      body.emplace();
+  for (const Key<RigidBody>& key : schema::table<RigidBody>())
+    if (body)
+      key.read(table, *body, scene);
+  return body;
+}
 
 template <class... Shapes>
 std::vector<std::vector<Entry>> entries_of(const std::variant<Shapes...>*) {
@@ -234,11 +278,15 @@ Key<Contact> obstacle() {
       "none",
       Expressions{}.schema(),
       {}};
+  std::vector<Entry> of_mass = entries<RigidBody>();
+  of_mass.front().info.required = false; // only with the others
+  of_mass.front().fallback = "the obstacle rests or moves as its expressions say";
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
   for (const auto& keys : entries_of(static_cast<const Obstacle*>(nullptr))) {
     const std::string& name = shapes[key.json["oneOf"].size()];
     std::vector<Entry> all{{"shape", info, quoted(shapes), {}, {{"const", name}}, {}}, called, surface};
-    all.insert(all.end(), keys.begin(), keys.end());
+    for (const std::vector<Entry>& more : {keys, of_mass})
+      all.insert(all.end(), more.begin(), more.end());
     key.json["oneOf"].push_back(object(all));
     key.children.insert(key.children.end(), all.begin(), all.end());
   }
@@ -249,6 +297,7 @@ Key<Contact> obstacle() {
     to.surface_velocity.reset();
     if (table.has(surface_velocity))
       to.surface_velocity = Expressions{}.read(table, surface_velocity, scene);
+    to.rigid = rigid_body(table, scene);
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
   };
   key.line = [](const Contact& from) {
@@ -256,6 +305,8 @@ Key<Contact> obstacle() {
     std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
     if (from.surface_velocity)
       first += fmt::format(", {} = {}", surface_velocity, written(*from.surface_velocity));
+    if (from.rigid)
+      first += ", " + listed(*from.rigid);
     const auto on_line = [&](const auto& one) { return on_one_line(one, first); };
     return std::visit(on_line, from.obstacle);
   };

@@ -92,13 +92,19 @@ std::string lines(const std::string& path, const T& from) {
   return text;
 }
 
-/// Writes a table on one line, with the unit of its first key; `text`: entries to precede the keys.
+/// Writes the keys of a table on one line; `text`: entries to precede them.
 template <class T>
-Written on_one_line(const T& from, std::string text = {}) {
+std::string listed(const T& from, std::string text = {}) {
   for (const Key<T>& key : table<T>())
     if (const Written value = key.line(from); !value.text.empty())
       text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key.name, value.text);
-  return {"{ " + text + " }", table<T>().front().info.unit};
+  return text;
+}
+
+/// Writes a table on one line, with the unit of its first key; `text`: entries to precede the keys.
+template <class T>
+Written on_one_line(const T& from, std::string text = {}) {
+  return {"{ " + listed(from, std::move(text)) + " }", table<T>().front().info.unit};
 }
 
 template <class M>

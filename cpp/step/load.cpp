@@ -57,7 +57,13 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out) {
     check(VecAXPY(out, 1, functional.vector));
 }
 
-SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end)
+bool SceneLoad::acts(const scene::Scene& scene) {
+  const auto pushed = [](const scene::Contact& contact) { return contact.rigid && contact.rigid->force; };
+  return scene.load || std::ranges::any_of(scene.contacts, pushed);
+}
+
+SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end,
+                     const std::vector<scene::Contact>& contacts)
     : space_(space), end_(end) {
   if (scene.body)
     body_.emplace(term(*scene.body, "load.body"));
@@ -80,6 +86,19 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, d
   for (std::size_t i = 0; i < scene.points.size(); ++i)
     points_.push_back(
         std::make_unique<PointForce>(space, scene.points[i], fmt::format("load.point[{}]", i), end));
+  std::size_t node = 0; // virtual
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const auto& rigid = contacts[i].rigid;
+    if (!rigid)
+      continue;
+    if (rigid->force)
+      points_.push_back(std::make_unique<PointForce>(
+          space, node, *rigid->force, 1, scene::contact_key(contacts, i) + ".obstacle.force", end));
+    if (scene.gravity)
+      points_.push_back(
+          std::make_unique<PointForce>(space, node, *scene.gravity, rigid->mass, "load.gravity", end));
+    node += rigid->inertia.empty() ? 1 : 2;
+  }
 }
 
 SceneLoad::Term SceneLoad::term(const scene::Components& components, const std::string& key) const {

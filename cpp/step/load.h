@@ -86,14 +86,21 @@ public:
   [[nodiscard]] virtual Vec y(const TimeStep& step) const = 0;
 };
 
-/// Body force, weight, tractions and forces at points of a scene, each averaged over a step to the tolerance
-/// of fem::TimeProfile. A load that does not depend on time is evaluated once.
+/// Body force, weight, tractions, forces at points and forces on obstacles with mass of a scene, each
+/// averaged over a step to the tolerance of fem::TimeProfile. A load that does not depend on time is
+/// evaluated once.
 class SceneLoad final : public Load {
 public:
   /// Evaluates the loads that do not depend on time. `M`: mass matrix that gives the weight. If the steps
   /// have the same mass matrix (Stepper::M()), a free body falls without strain. `end`: end of the motion, s.
   /// Collective. The references must outlive this object. Throws UserError.
-  SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
+  /// `contacts`: those whose obstacles with mass have their weight and their forces.
+  SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end,
+            const std::vector<scene::Contact>& contacts = {});
+  SceneLoad(const fem::Space& space, Mat M, const scene::Scene& scene, double end)
+      : SceneLoad(space, M, scene.load.value_or(scene::Load()), end, scene.contacts) {}
+  /// Whether a scene has any of these loads.
+  [[nodiscard]] static bool acts(const scene::Scene& scene);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !forces_.empty() || !points_.empty(); }
@@ -130,8 +137,8 @@ private:
   const fem::Space& space_;
   double end_; ///< end of the motion, s
   std::optional<Term> body_;
-  std::vector<Term> forces_; ///< gravity and tractions
-  std::vector<std::unique_ptr<const PointForce>> points_;
+  std::vector<Term> forces_;                              ///< gravity and tractions
+  std::vector<std::unique_ptr<const PointForce>> points_; ///< at nodes of the mesh and at virtual nodes
 };
 
 } // namespace signorini::step

@@ -233,14 +233,20 @@ void ParameterRates::add_initial(const scene::Scene& scene, const scene::Unknown
 
 void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
   scene::Load load;
-  if (unknown.of == scene::Parameter::body)
+  std::vector<scene::Contact> contacts; // with weight
+  if (unknown.of == scene::Parameter::body) {
     load.body = scene.load->body;
-  else if (unknown.of == scene::Parameter::gravity)
+  } else if (unknown.of == scene::Parameter::gravity) {
     load.gravity = scene.load->gravity;
-  else
+    contacts = scene.contacts;
+    for (scene::Contact& contact : contacts)
+      if (contact.rigid)
+        contact.rigid->force.reset();
+  } else {
     std::ranges::copy_if(scene.load->tractions, std::back_inserter(load.tractions),
                          [&](const scene::Traction& one) { return scene::scales(unknown, one); });
-  rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.end());
+  }
+  rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.end(), contacts);
   rate.force.emplace(stepper_.space(), *rate.load);
 }
 

@@ -90,11 +90,21 @@ PointForce::PointForce(const fem::Space& space, const scene::PointForce& force, 
   require_along_axis(space, node_, force, key);
 }
 
+PointForce::PointForce(const fem::Space& space, std::size_t virtual_node, const scene::Components& value,
+                       double factor, const std::string& key, double end)
+    : dim_(static_cast<std::size_t>(space.dim())), factor_(factor),
+      point_(space.layout().owns_virtual_nodes() ? 3 : 0),
+      profile_(space.comm(), scene::Field(value, key, true), point_, end),
+      value_(dim_ * (point_.size() / 3)) {
+  if (space.layout().owns_virtual_nodes())
+    node_ = static_cast<std::size_t>(space.layout().mesh_nodes()) + virtual_node;
+}
+
 void PointForce::add(const TimeStep& step, Vec sum) const {
   profile_.mean(step.begin, step.end, value_);
   const petsc::WriteArray entries(sum);
   for (std::size_t c = 0; c < value_.size(); ++c)
-    entries[dim_ * *node_ + c] += value_[c];
+    entries[dim_ * *node_ + c] += factor_ * value_[c];
 }
 
 } // namespace signorini::step

@@ -266,7 +266,8 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
                                                                     contact::Residual residual) {
   if (iterative_) {
     const double room = scene.memory - linear_->bytes();
-    if (!pairs.rows().symmetric() || condense_on_demand(pairs.rows(), solves, D_, room)) {
+    if (!pairs.rows().symmetric() || pairs.rows().share() ||
+        condense_on_demand(pairs.rows(), solves, D_, room)) {
       choice_ += "; contact condensed by columns computed on demand";
       auto columns =
           std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, iterative_->product(), room);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
 
 namespace signorini::trajectory {
@@ -166,8 +167,13 @@ public:
     rows_.apply_transpose(initial.y(), position_ = std::vector<double>(m));
     velocity_ = along(rigid_.coefficients(initial.v()));
     acceleration_.resize(m);
-    if (scene.load)
-      load_.emplace(stepper.space(), stepper.M(), *scene.load, grid_.end());
+    const petsc::Vector of_obstacles = stepper.space().vector();
+    for (std::size_t o = 0; o < scene.contacts.size(); ++o)
+      if (const contact::RigidMotion* motion = stepper.pairs()->rigid(static_cast<int>(o)))
+        motion->set_velocity(of_obstacles);
+    add(along_rows(of_obstacles), velocity_);
+    if (step::SceneLoad::acts(scene))
+      load_.emplace(stepper.space(), stepper.M(), scene, grid_.end());
     if (load_)
       sum_.emplace(stepper.space(), *load_);
   }
@@ -178,6 +184,19 @@ public:
       return;
     assemble(sum_->at(grid_.step(interval)), stepper_.operators(), force_);
     acceleration_ = along(rigid_.products(force_));
+    const fem::Layout& layout = stepper_.space().layout();
+    if (layout.virtual_nodes().empty())
+      return;
+    { // of obstacles with mass, without their springs and dashpots
+      const petsc::WriteArray values(force_);
+      const auto dim = static_cast<std::size_t>(layout.dim()),
+                 mesh = dim * static_cast<std::size_t>(layout.mesh_nodes());
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const double mass = i < mesh ? 0 : layout.virtual_nodes()[(i - mesh) / dim].mass[(i - mesh) % dim];
+        values[i] = mass > 0 ? values[i] / mass : 0;
+      }
+    }
+    add(along_rows(force_), acceleration_);
   }
   void advance(double s) {
     for (std::size_t i = 0; i < position_.size(); ++i) {
@@ -201,6 +220,16 @@ private:
       for (std::size_t i = 0; i < sum.size(); ++i)
         sum[i] += coefficients[j] * motions_[j][i];
     return sum;
+  }
+
+  /// Returns Hᵀx for the candidates. Collective.
+  [[nodiscard]] std::vector<double> along_rows(Vec x) const {
+    std::vector<double> sum(position_.size());
+    rows_.apply_transpose(x, sum);
+    return sum;
+  }
+  static void add(const std::vector<double>& term, std::vector<double>& sum) {
+    std::ranges::transform(term, sum, sum.begin(), std::plus());
   }
 
   const step::Stepper& stepper_;
@@ -249,7 +278,7 @@ std::vector<FirstTouch> first_touches(const step::Stepper& stepper, const scene:
                    bend = -flight.acceleration(i);
       if (j == 0)
         one.gap = std::min(one.gap, gap);
-      one.flies = one.flies || flight.flies(i) || next[i] != psi[i];
+      one.flies = one.flies || flight.flies(i) || next[i] != psi[i] || pairs->rigid(pairs->obstacles()[i]);
       const double s = first_root(gap - pairs->gap_tolerance(), rate, bend);
       if (s <= h && t + s < one.time) {
         one.time = t + s;

@@ -160,8 +160,12 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
     stepper.moving_clamps()->copy(written, v);
   if (stepper.velocity_extrapolation())
     stepper.extrapolate(v, stepper.space().vector());
-  if (stepper.pairs())
-    contact::place_outside(*stepper.pairs(), y);
+  if (const contact::ContactPairs* pairs = stepper.pairs()) {
+    for (int obstacle = 0; obstacle < pairs->obstacle_count(); ++obstacle)
+      if (const contact::RigidMotion* motion = pairs->rigid(obstacle))
+        motion->set_velocity(v);
+    contact::place_outside(*pairs, y);
+  }
   return start;
 }
 

@@ -146,6 +146,45 @@ TEST_CASE("multipliers are found from their forces, and motions prescribed by th
   CHECK(rest < 1e-15);
 }
 
+TEST_CASE("shared dofs belong to no cluster, and enter motions, forces and changes all the same",
+          "[contact]") {
+  const auto row = [](PetscInt node, double x,
+                      double y) { // of a node and of the virtual node with dofs 4 and 5
+    return ConstraintRows::Group{
+        .entries = {
+            {2 * node, x, false}, {2 * node + 1, y, false}, {4, -x, false, true}, {5, -y, false, true}}};
+  };
+  const ConstraintRows H(MPI_COMM_SELF, {row(1, 0.6, 0.8), row(0, 0, 1)}, 0, 6);
+  REQUIRE(H.clusters().size() == 2);
+  CHECK((H.share() && !H.dependent()));
+  CHECK(H.dofs() == std::vector<PetscInt>{2, 3, 0, 1, 4, 5});
+  petsc::Vector x;
+  check(VecCreateSeq(PETSC_COMM_SELF, 6, x.put()));
+  const petsc::Vector f = petsc::zero_like(x);
+  {
+    const petsc::WriteArray values(x);
+    for (std::size_t i = 0; i < 6; ++i)
+      values[i] = std::sin(1.0 + static_cast<double>(i));
+  }
+  const petsc::Vector before = petsc::copy(x);
+  const std::vector<double> value{0.1, -0.3}, lambda{2, -0.5};
+  std::vector<double> found(2);
+  H.prescribe(contact::ActiveSet{0, 1}, value, x);
+  H.apply_transpose(x, found);
+  CHECK(std::abs(found[0] - value[0]) + std::abs(found[1] - value[1]) < 1e-15);
+  CHECK((petsc::ReadArray(x)[4] == petsc::ReadArray(before)[4] &&
+         petsc::ReadArray(x)[5] == petsc::ReadArray(before)[5]));
+  H.apply(1, lambda, f);
+  const petsc::ReadArray forces(f);
+  CHECK((forces[4] == -(2 * 0.6) && forces[5] == -(2 * 0.8) + 0.5)); // opposite ones on the virtual node
+  H.multipliers(contact::ActiveSet{0, 1}, f, found);
+  CHECK(std::abs(found[0] - lambda[0]) + std::abs(found[1] - lambda[1]) < 1e-15);
+  const petsc::Vector ones = petsc::zero_like(x);
+  check(VecSet(ones, 1));
+  const std::vector<double> squares = H.weighted_squares(ones);
+  CHECK(std::abs(squares[0] - 1) + std::abs(squares[1] - 1) < 1e-15);
+}
+
 TEST_CASE("clamped dofs take their values from the decoupled system", "[contact]") {
   const ConstraintRows H(MPI_COMM_SELF, mixed, 0, dofs);
   const petsc::Vector r = numbers(0.2), d = numbers(4), y = petsc::zero_like(r);

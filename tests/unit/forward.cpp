@@ -84,7 +84,7 @@ TEST_CASE("gravity is the density as a body force, and may change with time", "[
     touched += a.contact[k].count(contact::Status::strong) > 0;
   }
   CHECK(touched > 0);
-  CHECK_FALSE(step::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
+  CHECK_FALSE(step::SceneLoad(gravity.problem.space, gravity.problem.operators.M, gravity.scene,
                               gravity.problem.stepper.end())
                   .has_density());
 }

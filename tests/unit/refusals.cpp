@@ -13,8 +13,6 @@ TEST_CASE("what the model lacks is refused by its name", "[scene]") {
   for (const auto& [settings, said] : std::vector<std::pair<std::vector<std::string>, const char*>>{
            {{"contact={ on = \"bottom\", against = \"top\" }"},
             "contact.against: not in this model: contact between"},
-           {{"contact.obstacle={ shape = \"half-space\", mass = 2 }"},
-            "contact.obstacle.mass: not in this model: obstacles that move freely;"},
            {{"contact.obstacle.shape=\"self-contact\""},
             "found \"self-contact\", not in this model: contact between"},
            {{"large_rotation=true"}, "large_rotation: not in this model: large rotations and strains;"},
@@ -70,6 +68,8 @@ TEST_CASE("a key under another name is refused by its own name", "[scene]") {
             "contact.surface_velocity: unknown; give the motion of a belt or of a roller's surface as"},
            {"contact.obstacle.omega=3",
             "contact.obstacle.omega: unknown; give the motion of a belt or of a roller's surface as"},
+           {"contact.obstacle.density=7800",
+            "contact.obstacle.density: unknown; give the mass of an obstacle"},
            {"material.mu=4e7",
             "material.mu: unknown; give elasticity as material.young and material.poisson"},
            {"material.thickness=0.01",

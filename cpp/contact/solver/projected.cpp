@@ -14,8 +14,8 @@ ProjectedSolver::ProjectedSolver(const ConstraintRows& rows, double diameter, co
     : rows_(rows), D_(D), matrix_(matrix), complementarity_(rows, diameter, matrix),
       zero_(static_cast<std::size_t>(rows.count()), 0.0), gap_tolerance_(gap_tolerance(diameter)),
       residual_(petsc::vector_of(matrix)) {
-  if (!rows.symmetric())
-    throw std::logic_error("the projected solver needs symmetric contact laws");
+  if (!rows.symmetric() || rows.share())
+    throw std::logic_error("the projected solver needs symmetric contact laws of nodes alone");
   if (rows_.clamped())
     diagonal_ = fem::diagonal(matrix);
 }

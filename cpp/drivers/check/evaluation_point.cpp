@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/check/evaluation_point.h"
+#include <array>
 #include <cmath>
 
 namespace signorini::drivers {
@@ -8,8 +9,9 @@ void wave(const fem::Space& space, const std::vector<double>& points, const std:
           double t, int which, std::span<double> values) {
   const double unit = 2 * M_PI / space.mesh().diameter();
   const std::size_t n = components.size();
+  constexpr std::array<double, 3> origin{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double* x = &points[i / n * 3];
+    const double* x = i / n * 3 < points.size() ? &points[i / n * 3] : origin.data(); // of virtual nodes
     const double c = components[i % n];
     values[i] =
         std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * 2 * M_PI * t + which + 0.7 * c);

@@ -11,6 +11,7 @@ from model_cases import model_cases
 from obstacle_cases import obstacle_cases
 from option_cases import method_cases, option_cases
 from relaxation_cases import relaxation_cases
+from rigid_body_cases import rigid_body_cases
 from scene_cases import key_cases, scene_file_cases, type_cases
 from surroundings_cases import surroundings_cases
 from value_cases import dimension_cases, probe_cases, range_cases
@@ -28,6 +29,7 @@ def all_cases() -> list[Case]:
         *dimension_cases(),
         *obstacle_cases(),
         *friction_cases(),
+        *rigid_body_cases(),
         *expression_cases(),
         *time_series_cases(),
         *effect_cases(),

@@ -15,6 +15,8 @@ from regression.keys.runs import BLOCK, COARSE, CORE, DATA, STIFF, Run, edited, 
 
 EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force": 1, "contact_start": 1, "contact_time": 1}
 # Scenes in which every table and every optional key occurs.
+WITH_MASS = {"mass": 1.0, "velocity": [0, 1], "components": ["y"], "inertia": 1.0, "mass_center": [0, 0], "force": ["0", "t"],
+             "stiffness": 1.0, "damping": [1.0, 2.0]}  # fmt: skip
 FULL = (
     (BLOCK, {
         "mesh__model": "plane-strain", "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
@@ -33,6 +35,9 @@ FULL = (
     }),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
     (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
+    *((BLOCK, {"contact__obstacle": shape | WITH_MASS}) for shape in (
+        {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}, {"shape": "ball", "center": [0, -2], "radius": 1},
+        {"shape": "cylinder", "point": [0, -2], "radius": 1}, {"shape": "signed-distance", "distance": "y + 1"})),
     (BLOCK, {"time": {"end": 0.6, "step": "auto", "longest": 0.06, "shortest": 1e-3}, "control__step": 0.06}),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),

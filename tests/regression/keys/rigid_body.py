@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keys of obstacles with mass: free flight against closed forms, and forces and moments of contact by the momentum that they give."""
+
+import numpy as np
+import pytest
+from harness import table
+from regression.keys.runs import BLOCK, Run, Runner, near, same
+
+PLATE = {"name": "plate", "shape": "half-space", "point": [0.25, -0.1], "normal": [0.3, 1]}
+FAR = PLATE | {"point": [0, -100]}
+STEP = 0.02
+# Beside the block, which neither moves nor is reached.
+FLIES = {"load__body": ["0", "0"], "initial__velocity": ["0", "0"], "output": {"every": 1, "probe": [{"name": "plate", "obstacle": "plate"}]}}
+HIT = {"output": {"every": 1, "probe": [{"name": "plate", "obstacle": "plate"}]}}
+
+
+def probes(done: Run) -> dict[str, np.ndarray]:
+    return table(done.folder / "probes.csv")
+
+
+def flight(simulate: Runner, **keys: object) -> tuple[np.ndarray, np.ndarray, np.ndarray, Run]:
+    """Times, displacements and velocities of the plate (steps × 2), without contact."""
+    gravity = {"load__gravity": keys.pop("gravity")} if "gravity" in keys else {}
+    done = simulate(contact__obstacle=FAR | keys, **FLIES, **gravity)
+    assert done.steps["active"].max() == 0
+    found = probes(done)
+    y, v = (np.stack([found[f"plate.{name}_{c}"] for c in "xy"], axis=1) for name in ("displacement", "velocity"))
+    return done.steps["time"], y, v, done
+
+
+@pytest.mark.key("contact.obstacle.mass", "contact.obstacle.velocity")
+def test_free_flight(simulate: Runner) -> None:
+    t, y, v, done = flight(simulate, mass=2.5, velocity=[0.3, -0.4], gravity=[1.0, -2.0])
+    near(y, np.outer(t, [0.3, -0.4]) + np.outer(t**2 / 2, [1, -2]), 1e-12)
+    near(v, np.array([0.3, -0.4]) + np.outer(t, [1, -2]), 1e-12)
+    near(done.steps["rigid_energy"], 2.5 / 2 * (v**2).sum(axis=1), 1e-12)
+    assert done.manifest["effects"]["rigid body"] and abs(done.steps["energy_residual"]).max() < 1e-13 * done.steps["rigid_energy"].max()
+
+
+@pytest.mark.key("contact.obstacle.force", "contact.obstacle.mass")
+def test_force(simulate: Runner) -> None:
+    """Its momentum is that of the force, exactly, also of one that varies."""
+    t, _, v, _ = flight(simulate, mass=2.0, force=["3*t^2", "-1"])
+    near(2 * v, np.stack([t**3, -t], axis=1), 1e-12)
+
+
+@pytest.mark.key("contact.obstacle.components")
+@pytest.mark.parametrize("components", (["x"], ["y"]), ids=str)
+def test_components(components: list[str], simulate: Runner) -> None:
+    t, y, _, _ = flight(simulate, mass=1.0, velocity=[0.5, 0.7], components=components)
+    near(y, np.outer(t, [0.5 * ("x" in components), 0.7 * ("y" in components)]), 1e-12)
+
+
+@pytest.mark.key("contact.obstacle.stiffness", "contact.obstacle.damping")
+@pytest.mark.parametrize("k, c", ((50.0, 0.0), (50.0, 3.0), ([50.0, 20.0], [0.0, 2.0]), (0.0, [4.0, 1.0])), ids=str)
+def test_springs(k: float | list[float], c: float | list[float], simulate: Runner) -> None:
+    """The free vibration by the trapezoidal rule, which contact-implicit steps are, on each component."""
+    m, v0 = 2.0, np.array([0.3, -0.4])
+    _, y, v, done = flight(simulate, mass=m, velocity=list(v0), stiffness=k, damping=c)
+    springs, dashpots = (np.broadcast_to(np.asarray(value, float), 2) for value in (k, c))
+    for axis in range(2):
+        A = np.array([[0, 1], [-springs[axis] / m, -dashpots[axis] / m]])
+        once = np.linalg.solve(np.eye(2) - STEP / 2 * A, np.eye(2) + STEP / 2 * A)
+        state = np.array([0, v0[axis]])
+        for n in range(len(y)):
+            near(np.array([y[n, axis], v[n, axis]]), state, 1e-11)
+            state = once @ state
+    energy = ((m * v**2 + springs * y**2) / 2).sum(axis=1)
+    near(done.steps["rigid_energy"], energy, 1e-12)
+    assert abs(done.steps["rigid_dissipation"][1:] + np.diff(energy)).max() < 1e-13 * energy.max()
+
+
+def moment(done: Run, center: tuple[float, float]) -> float:
+    """The angular momentum that the contact forces have given to the plate about a point."""
+    contact = table(done.folder / "contact.csv")
+    arm = np.stack([contact["x"] - center[0], contact["y"] - center[1]])
+    force = -np.stack([contact["normal_x"], contact["normal_y"]]) * contact["force"]
+    return float(STEP * (arm[0] * force[1] - arm[1] * force[0])[contact["step"] > 0].sum())
+
+
+@pytest.mark.key("contact.obstacle.inertia", "contact.obstacle.mass_center")
+@pytest.mark.parametrize("center", ([0.25, -0.1], [0.9, -0.5]), ids=str)
+def test_turning(center: list[float], simulate: Runner) -> None:
+    """The impulses of contact turn the plate about its centre of mass; by default this is the half-space's point."""
+    more = {} if center == PLATE["point"] else {"mass_center": center}
+    done = simulate(contact__obstacle=PLATE | {"mass": 3.0, "inertia": 0.7} | more, **HIT)
+    assert done.steps["active"].max() > 0
+    rate = probes(done)["plate.rate"]
+    assert abs(rate[-1]) > 0.05
+    near(0.7 * rate[-1], moment(done, tuple(center)), 1e-12)
+    near(np.diff(probes(done)["plate.rotation"]), STEP * (rate[1:] + rate[:-1]) / 2, 1e-12)
+    if more:
+        same(done, simulate(done.folder / "scene.toml"))
+
+
+@pytest.mark.key("contact.obstacle.mass")
+def test_a_heavy_plate_is_an_obstacle_at_rest(simulate: Runner) -> None:
+    """The motion tends to that of the obstacle at rest with the reciprocal mass."""
+    rests = simulate(contact__obstacle=PLATE, **{"output": {"every": 1}})
+    assert rests.steps["active"].max() > 0
+    away = [abs(simulate(contact__obstacle=PLATE | {"mass": mass}, **HIT).field("displacement") - rests.field("displacement")).max()
+            for mass in (1e3, 1e4, 1e5)]  # fmt: skip
+    assert away[0] < 0.01
+    near(np.array(away[1:]) / np.array(away[:-1]), np.array([0.1, 0.1]), 0.01)
+
+
+@pytest.mark.key("contact.obstacle.mass")
+def test_load_cell_without_mass(simulate: Runner) -> None:
+    """A plate without mass on springs and dashpots: contact force, spring and dashpot balance in the mean of each step."""
+    k, c = 400.0, 8.0
+    done = simulate(BLOCK, contact__obstacle=PLATE | {"normal": [0, 1], "mass": 0.0, "stiffness": k, "damping": c}, **HIT)
+    found = probes(done)
+    y = found["plate.displacement_y"]
+    held = (k * (y[1:] + y[:-1]) / 2 + c * np.diff(y) / STEP)[1:]
+    assert done.steps["active"].max() > 0 and y.min() < -0.01
+    near(held, -found["plate.force_y"][2:], 1e-10)
