@@ -23,8 +23,8 @@ namespace signorini::contact {
   return std::sqrt(square);
 }
 
-/// Change of a group's gaps per unit of its multipliers while all other nodes are fixed, along the normal and
-/// the mean of those along the tangents.
+/// Change of a group's gaps per unit of its multipliers, along the normal and the mean of those along the
+/// tangents.
 struct Compliance {
   double normal, tangential;
 };

@@ -245,27 +245,23 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
   rows_.emplace(comm_, groups, space.first_dof(), end);
-  on_all_ranks(comm_, [&] {
+  const auto refuse_several = [&](const auto& alone, const char* key, const char* reason) {
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)
-        if (rigid(obstacles_[i]))
+        if (alone[obstacles_[i]])
           throw UserError(
-              fmt::format("{}.on: the node at {} is a candidate of another obstacle too, which obstacles "
-                          "with mass do not permit; choose groups without common nodes",
-                          keys_[obstacles_[i]], shown(*this, i)));
+              fmt::format("{}.{}: the node at {} is a candidate of {}; choose groups without common nodes",
+                          keys_[obstacles_[i]], key, shown(*this, i), reason));
+  };
+  on_all_ranks(comm_, [&] {
+    refuse_several(rigid_, "on", "another obstacle too, which obstacles with mass do not permit");
   });
   if (rows_->symmetric())
     return;
   friction_at_start_.resize(psi_.size());
   evaluate_friction(0, friction_at_start_);
   on_all_ranks(comm_, [&] {
-    for (const ConstraintRows::Cluster& node : rows_->clusters())
-      for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)
-        if (friction_[obstacles_[i]])
-          throw UserError(fmt::format(
-              "{}.friction: the node at {} is a candidate of several obstacles, where friction is "
-              "not possible; choose groups without common nodes",
-              keys_[obstacles_[i]], shown(*this, i)));
+    refuse_several(friction_, "friction", "several obstacles, where friction is not possible");
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       if (node.dependent)
         throw UserError(fmt::format(
@@ -273,6 +269,12 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
             "does not permit; choose groups without common nodes",
             shown(*this, node.first)));
   });
+}
+
+void ContactPairs::set_rigid_velocities(Vec v) const {
+  for (const std::optional<RigidMotion>& motion : rigid_)
+    if (motion)
+      motion->set_velocity(v);
 }
 
 void ContactPairs::append_rigid(const BoundaryNode& node, ConstraintRows::Group& group) const {

@@ -88,6 +88,8 @@ public:
     const auto& motion = rigid_[static_cast<std::size_t>(obstacle)];
     return motion ? &*motion : nullptr;
   }
+  /// Sets the velocities v (a vector of V) of the obstacles with mass to those at the start. Not collective.
+  void set_rigid_velocities(Vec v) const;
   /// Whether any obstacle moves as the scene prescribes.
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
 

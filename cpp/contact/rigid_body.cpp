@@ -12,6 +12,7 @@ double component(const std::vector<double>& given, std::size_t c) {
   return given.empty() ? 0 : given.size() == 1 ? given.front() : given[c];
 }
 
+/// Value of a point at t = 0, m (3).
 std::vector<double> values_at_start(const scene::Components& point, const char* key) {
   std::vector<double> x(3);
   const std::array<double, 3> origin{};
@@ -31,6 +32,7 @@ std::vector<double> mass_center(const scene::Contact& contact) {
       contact.obstacle);
 }
 
+/// Whether an obstacle may move along a component (0, 1, 2).
 bool is_free(const scene::RigidBody& body, std::size_t c, bool axisymmetric) {
   const auto here = static_cast<scene::Component>(c);
   if (axisymmetric && here == scene::Component::x)
@@ -65,13 +67,18 @@ std::vector<fem::VirtualNode> virtual_nodes(const std::vector<scene::Contact>& c
   return nodes;
 }
 
-RigidMotion::RigidMotion(const fem::Space& space, const std::vector<scene::Contact>& contacts,
-                         std::size_t contact)
-    : space_(space) {
+std::size_t virtual_node(const std::vector<scene::Contact>& contacts, std::size_t contact) {
   std::size_t node = 0;
   for (std::size_t before = 0; before < contact; ++before)
     if (const auto& other = contacts[before].rigid)
       node += other->inertia.empty() ? 1 : 2;
+  return node;
+}
+
+RigidMotion::RigidMotion(const fem::Space& space, const std::vector<scene::Contact>& contacts,
+                         std::size_t contact)
+    : space_(space) {
+  const std::size_t node = virtual_node(contacts, contact);
   const scene::RigidBody& body = *contacts[contact].rigid;
   velocity_ = body.velocity;
   const std::vector<double> center = mass_center(contacts[contact]);

@@ -15,11 +15,14 @@ namespace signorini::contact {
 [[nodiscard]] std::vector<fem::VirtualNode> virtual_nodes(const std::vector<scene::Contact>& contacts,
                                                           int dim, bool axisymmetric);
 
+/// Number of the virtual node for the translation of an obstacle with mass; that for its rotation follows.
+[[nodiscard]] std::size_t virtual_node(const std::vector<scene::Contact>& contacts, std::size_t contact);
+
 /// Translation q and rotation θ of an obstacle with mass, as unknowns of a space.
 class RigidMotion {
 public:
   /// `contact`: number of the obstacle in `contacts`; it must have mass. `space`: with the virtual nodes of
-  /// `contacts`. Throws UserError if the motion of a signed distance that turns has no centre.
+  /// `contacts`; must outlive this object.
   RigidMotion(const fem::Space& space, const std::vector<scene::Contact>& contacts, std::size_t contact);
 
   /// Number of components of the rotation: 0 if it does not turn, 1 in the plane, 3 in space.

@@ -25,13 +25,6 @@ void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
 
 } // namespace
 
-namespace {
-/// Number of owned dofs of the mesh; those of virtual nodes follow.
-std::size_t mesh_dofs(const fem::Space& space) {
-  return static_cast<std::size_t>(space.owned_nodes()) * static_cast<std::size_t>(space.dim());
-}
-} // namespace
-
 /// Sums of a balance. They take one pass over the dofs for each product with a matrix, and one reduction over
 /// the ranks.
 struct Balance::Sums {
@@ -136,7 +129,8 @@ void Balance::add_state(const trajectory::Frame& frame, Sums& sums) {
   check(MatMult(stepper_.operators().A, frame.after.y(), Ay1_));
   check(MatMult(stepper_.M(), frame.after.v(), Mv1_));
   const petsc::ReadArray y(frame.after.y()), v(frame.after.v()), Ay(Ay1_), Mv(Mv1_);
-  const auto dim = static_cast<std::size_t>(stepper_.space().dim()), mesh = mesh_dofs(stepper_.space());
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim()),
+             mesh = stepper_.space().layout().mesh_dofs();
   for (std::size_t i = mesh; i < y.size(); ++i)
     sums.rigid += v[i] * Mv[i] + y[i] * Ay[i];
   for (std::size_t i = 0; i < mesh;)
@@ -177,7 +171,8 @@ double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
   const petsc::WriteArray defect(defect_);
   const auto inertia = [&](std::size_t i) { return (Mv1[i] - Mv0[i]) / tau; };
   const auto jump = [&](std::size_t i) { return tau * (w[i] - (v0[i] + v1[i]) / 2) * inertia(i); };
-  const auto dim = static_cast<std::size_t>(stepper_.space().dim()), mesh = mesh_dofs(stepper_.space());
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim()),
+             mesh = stepper_.space().layout().mesh_dofs();
   const auto add_work = [&](std::size_t i) {
     const double moved = y1[i] - y0[i];
     sums.viscous += w[i] * Bw[i];

@@ -139,8 +139,7 @@ Deformation deformation(const Space& space, Vec y) {
   {
     const petsc::ReadArray owned(y);
     const std::span<const double> all = owned; // those of virtual nodes follow
-    std::ranges::copy(all.first(n * static_cast<std::size_t>(space.owned_nodes())),
-                      dolfinx_versions::entries(values).begin());
+    std::ranges::copy(all.first(space.layout().mesh_dofs()), dolfinx_versions::entries(values).begin());
   }
   values.scatter_fwd();
   const std::span<const double> at_dofs = values.array();

@@ -37,6 +37,10 @@ public:
   [[nodiscard]] int dim() const { return dim_; }
   /// Number of the mesh's nodes that this rank owns.
   [[nodiscard]] int mesh_nodes() const { return mesh_nodes_; }
+  /// Number of the mesh's dofs that this rank owns; those of its virtual nodes follow.
+  [[nodiscard]] std::size_t mesh_dofs() const {
+    return static_cast<std::size_t>(mesh_nodes_) * static_cast<std::size_t>(dim_);
+  }
   /// Number of nodes that this rank owns, virtual nodes included.
   [[nodiscard]] int nodes() const {
     return mesh_nodes_ + (owns_virtual_nodes_ ? static_cast<int>(virtual_.size()) : 0);

@@ -86,18 +86,17 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, d
   for (std::size_t i = 0; i < scene.points.size(); ++i)
     points_.push_back(
         std::make_unique<PointForce>(space, scene.points[i], fmt::format("load.point[{}]", i), end));
-  std::size_t node = 0; // virtual
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const auto& rigid = contacts[i].rigid;
     if (!rigid)
       continue;
+    const std::size_t node = contact::virtual_node(contacts, i);
     if (rigid->force)
       points_.push_back(std::make_unique<PointForce>(
           space, node, *rigid->force, 1, scene::contact_key(contacts, i) + ".obstacle.force", end));
     if (scene.gravity)
       points_.push_back(
           std::make_unique<PointForce>(space, node, *scene.gravity, rigid->mass, "load.gravity", end));
-    node += rigid->inertia.empty() ? 1 : 2;
   }
 }
 

@@ -168,9 +168,7 @@ public:
     velocity_ = along(rigid_.coefficients(initial.v()));
     acceleration_.resize(m);
     const petsc::Vector of_obstacles = stepper.space().vector();
-    for (std::size_t o = 0; o < scene.contacts.size(); ++o)
-      if (const contact::RigidMotion* motion = stepper.pairs()->rigid(static_cast<int>(o)))
-        motion->set_velocity(of_obstacles);
+    stepper.pairs()->set_rigid_velocities(of_obstacles);
     add(along_rows(of_obstacles), velocity_);
     if (step::SceneLoad::acts(scene))
       load_.emplace(stepper.space(), stepper.M(), scene, grid_.end());
@@ -189,8 +187,7 @@ public:
       return;
     { // of obstacles with mass, without their springs and dashpots
       const petsc::WriteArray values(force_);
-      const auto dim = static_cast<std::size_t>(layout.dim()),
-                 mesh = dim * static_cast<std::size_t>(layout.mesh_nodes());
+      const auto dim = static_cast<std::size_t>(layout.dim()), mesh = layout.mesh_dofs();
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double mass = i < mesh ? 0 : layout.virtual_nodes()[(i - mesh) / dim].mass[(i - mesh) % dim];
         values[i] = mass > 0 ? values[i] / mass : 0;

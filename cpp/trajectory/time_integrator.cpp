@@ -161,9 +161,7 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
   if (stepper.velocity_extrapolation())
     stepper.extrapolate(v, stepper.space().vector());
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
-    for (int obstacle = 0; obstacle < pairs->obstacle_count(); ++obstacle)
-      if (const contact::RigidMotion* motion = pairs->rigid(obstacle))
-        motion->set_velocity(v);
+    pairs->set_rigid_velocities(v);
     contact::place_outside(*pairs, y);
   }
   return start;

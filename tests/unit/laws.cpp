@@ -332,7 +332,7 @@ struct RandomProblem {
       gap0.push_back(normal(generator) - (i < static_cast<std::size_t>(m) ? 0.5 : 0));
   }
 
-  /// Those of each candidate alone, for the inverse of S.
+  /// Compliances of each candidate alone, for the inverse of S.
   [[nodiscard]] std::vector<contact::Compliance> compliances(const std::vector<double>& inverse) const {
     std::vector<contact::Compliance> all;
     const auto own = [&](std::size_t row) { return 1 / inverse[row * gap0.size() + row]; };
