@@ -91,7 +91,10 @@ void add_control(const problem::Problem& problem, Costs& costs) {
   if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
         static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
-  costs["objective"] = {scene.objective->on ? "L2 of objective.on" : "W", motions_bytes(problem),
+  costs["objective"] = {scene.objective->on         ? "L2 of objective.on"
+                        : scene.objective->obstacle ? "translation of objective.obstacle"
+                                                    : "W",
+                        motions_bytes(problem),
                         "for a gradient: one adjoint step with one solve" + again(problem)};
 }
 

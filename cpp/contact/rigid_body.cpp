@@ -32,14 +32,6 @@ std::vector<double> mass_center(const scene::Contact& contact) {
       contact.obstacle);
 }
 
-/// Whether an obstacle may move along a component (0, 1, 2).
-bool is_free(const scene::RigidBody& body, std::size_t c, bool axisymmetric) {
-  const auto here = static_cast<scene::Component>(c);
-  if (axisymmetric && here == scene::Component::x)
-    return false;
-  return !body.components || std::ranges::find(*body.components, here) != body.components->end();
-}
-
 } // namespace
 
 std::vector<fem::VirtualNode> virtual_nodes(const std::vector<scene::Contact>& contacts, int dim,
@@ -54,7 +46,7 @@ std::vector<fem::VirtualNode> virtual_nodes(const std::vector<scene::Contact>& c
       translation.mass[c] = body.mass;
       translation.damping[c] = component(body.damping, c);
       translation.stiffness[c] = component(body.stiffness, c);
-      translation.clamped[c] = !is_free(body, c, axisymmetric);
+      translation.clamped[c] = !body.moves_along(static_cast<scene::Component>(c), axisymmetric);
     }
     if (body.inertia.empty())
       continue;
@@ -124,13 +116,18 @@ petsc::Vector RigidMotion::weights(std::size_t c) const {
   return made;
 }
 
-void RigidMotion::set_velocity(Vec v) const {
-  if (velocity_.empty() || !space_.layout().owns_virtual_nodes())
+void RigidMotion::set_translation(std::span<const double> value, Vec of) const {
+  if (!space_.layout().owns_virtual_nodes())
     return;
-  const petsc::WriteArray values(v);
+  const petsc::WriteArray values(of);
   for (std::size_t c = 0; c < translation_.size(); ++c)
     if (!translation_[c].fixed)
-      values[static_cast<std::size_t>(translation_[c].dof - space_.first_dof())] = velocity_[c];
+      values[static_cast<std::size_t>(translation_[c].dof - space_.first_dof())] = value[c];
+}
+
+void RigidMotion::set_velocity(Vec v) const {
+  if (!velocity_.empty())
+    set_translation(velocity_, v);
 }
 
 } // namespace signorini::contact

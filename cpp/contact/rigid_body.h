@@ -36,6 +36,11 @@ public:
   /// Vector of V whose product with a displacement is component c of the translation or, from dim on, of the
   /// rotation. Collective.
   [[nodiscard]] petsc::Vector weights(std::size_t c) const;
+  /// Centre of mass of the obstacle where it starts, m.
+  [[nodiscard]] const std::array<double, 3>& center() const { return center_; }
+  /// Sets the translation of the obstacle in a vector of V to `value` (dim), its free components alone. Not
+  /// collective.
+  void set_translation(std::span<const double> value, Vec of) const;
   /// Sets the velocity v (a vector of V) of the obstacle to that at the start. Not collective.
   void set_velocity(Vec v) const;
 

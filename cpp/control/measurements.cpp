@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/measurements.h"
+#include "scene/targets.h"
 #include <algorithm>
 #include <cmath>
 
@@ -9,10 +10,15 @@ using scene::Quantity;
 namespace {
 
 /// Returns the functional that a measurement applies to a field: a component at a point of the undeformed
-/// body, or its mean over a group. Throws UserError naming `key`.
-petsc::Vector functional_of(const fem::Space& space, const scene::Measurement& measurement,
-                            const std::string& key) {
+/// body, its mean over a group, or that of an obstacle with mass. Throws UserError naming `key`.
+petsc::Vector functional_of(const step::Stepper& stepper, const scene::Scene& scene,
+                            const scene::Measurement& measurement, const std::string& key) {
+  const fem::Space& space = stepper.space();
   const auto component = static_cast<int>(*measurement.component);
+  if (measurement.obstacle)
+    return stepper.pairs()
+        ->rigid(scene::obstacle_number(scene.contacts, *measurement.obstacle))
+        ->weights(static_cast<std::size_t>(component));
   if (!measurement.point)
     return step::mean(space, fem::assemble_L2(space, *measurement.on, key + ".on"),
                       static_cast<std::size_t>(component))
@@ -38,15 +44,13 @@ Measurements::Measurements(const step::Stepper& stepper, const step::TimeGrid& g
     if (!measurement.fitted())
       continue;
     if (measurement.of == Quantity::displacement || measurement.of == Quantity::velocity) {
-      const petsc::Vector functional = functional_of(stepper.space(), measurement, scene::measurement_key(i));
+      const petsc::Vector functional = functional_of(stepper, scene, measurement, scene::measurement_key(i));
       channels_.push_back({.of = measurement.of, .field = step::SparseFunctional(functional)});
     } else {
-      const auto named =
-          std::ranges::find(scene.contacts, measurement.obstacle.value_or(""), &scene::Contact::name);
+      const int obstacle =
+          measurement.obstacle ? scene::obstacle_number(scene.contacts, *measurement.obstacle) : -1;
       channels_.push_back(
-          {.of = Quantity::force,
-           .force = {measurement.obstacle ? static_cast<int>(named - scene.contacts.begin()) : -1,
-                     static_cast<int>(*measurement.component)}});
+          {.of = Quantity::force, .force = {obstacle, static_cast<int>(*measurement.component)}});
     }
     for (const double t : times[i])
       samples_.push_back({channels_.size() - 1, measurement.of == Quantity::impulse,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/objective.h"
 #include "base/timers.h"
+#include "contact/rigid_body.h"
+#include "scene/targets.h"
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,13 +11,29 @@ namespace signorini::control {
 using petsc::check;
 
 namespace {
+
 long& objectives = count("objectives");
+
+/// Returns the matrix of the product of the set that an objective observes; null for the whole body.
+/// Collective.
+petsc::Matrix product_of(const fem::Space& space, const scene::Scene& scene) {
+  if (scene.objective->on)
+    return fem::assemble_L2(space, *scene.objective->on, "objective.on");
+  if (!scene.objective->obstacle)
+    return {};
+  const int obstacle = scene::obstacle_number(scene.contacts, *scene.objective->obstacle);
+  const auto dim = static_cast<std::size_t>(space.dim()),
+             node = contact::virtual_node(scene.contacts, static_cast<std::size_t>(obstacle));
+  std::vector<double> diagonal(dim * space.layout().virtual_nodes().size());
+  std::fill_n(diagonal.begin() + static_cast<std::ptrdiff_t>(dim * node), dim, 1.0);
+  return space.layout().diagonal(diagonal);
 }
 
-ObservedSet::ObservedSet(const fem::Space& space, const fem::Operators& operators,
-                         const scene::Objective& scene)
-    : own_(scene.on ? fem::assemble_L2(space, *scene.on, "objective.on") : petsc::Matrix()),
-      product_(own_ ? Mat(own_) : Mat(*operators.W)), difference_(space.vector()), work_(space.vector()) {
+} // namespace
+
+ObservedSet::ObservedSet(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene)
+    : own_(product_of(space, scene)), product_(own_ ? Mat(own_) : Mat(*operators.W)),
+      difference_(space.vector()), work_(space.vector()) {
   ++objectives;
 }
 
@@ -54,8 +72,8 @@ ObjectiveValue TimeWeights::value(const std::vector<double>& squared_distances, 
 }
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, step::TimeGrid grid,
-                     std::unique_ptr<const step::Displacements> desired, const scene::Objective& scene)
-    : weights_(scene, std::move(grid)), desired_(std::move(desired)), controls_(controls),
+                     std::unique_ptr<const step::Displacements> desired, const scene::Scene& scene)
+    : weights_(*scene.objective, std::move(grid)), desired_(std::move(desired)), controls_(controls),
       observed_(controls.space(), operators, scene), work_(controls.space().vector()) {}
 
 double Objective::squared_distance(int k, Vec y) const { return observed_.squared_distance(y, desired(k)); }
@@ -126,7 +144,7 @@ double Objective::variation(const Control& u) const {
 }
 
 void Objective::add_weighted(int k, Vec y, Vec less, step::StateDual sum) const {
-  // ∂J/∂y_k = w_k W (y_k − y_d): the density w_k (y_k − y_d), or its product with W of objective.on
+  // ∂J/∂y_k = w_k W (y_k − y_d): the density w_k (y_k − y_d), or its product with the matrix of the set
   const Vec out = !observed_.whole() ? Vec(work_) : sum.density;
   if (!observed_.whole())
     check(VecZeroEntries(out));

@@ -39,20 +39,20 @@ private:
   double tracking_, alpha_, gamma_;
 };
 
-/// Set on which an objective compares motions, with its product in L2: the body, a part of it or a surface.
-/// All members are collective.
+/// Set on which an objective compares motions, with its product: in L2 the body, a part of it or a surface;
+/// or an obstacle with mass, with the product of vectors of its translations. All members are collective.
 class ObservedSet {
 public:
   /// `operators` must outlive this object. Throws UserError.
-  ObservedSet(const fem::Space& space, const fem::Operators& operators, const scene::Objective& scene);
+  ObservedSet(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene);
 
   /// Returns whether the set is the whole body.
   [[nodiscard]] bool whole() const { return !own_; }
-  /// Returns the matrix of the set's product in L2; W for the whole body.
+  /// Returns the matrix of the set's product; W for the whole body.
   [[nodiscard]] Mat product() const { return product_; }
-  /// Returns ‖y − other‖² in L2 of the set.
+  /// Returns ‖y − other‖² in the norm of the set.
   [[nodiscard]] double squared_distance(Vec y, Vec other) const;
-  /// Returns ‖y‖ in L2 of the set.
+  /// Returns ‖y‖ in the norm of the set.
   [[nodiscard]] double norm(Vec y) const;
 
 private:
@@ -62,14 +62,14 @@ private:
 };
 
 /// Objective J (docs/method.md section 3): the distance of a motion from the desired motion, plus the cost of
-/// the control. Distances are those in L2 of the body, a part of it or a surface. A term with zero weight is
+/// the control. Distances are those of an ObservedSet. A term with zero weight is
 /// not evaluated. All members are collective.
 class Objective {
 public:
   /// `desired`: desired displacements y_d,0…y_d,N, which are read in any order. The references must outlive
   /// this object. Throws UserError.
   Objective(const ControlSpace& controls, const fem::Operators& operators, step::TimeGrid grid,
-            std::unique_ptr<const step::Displacements> desired, const scene::Objective& scene);
+            std::unique_ptr<const step::Displacements> desired, const scene::Scene& scene);
 
   /// Stores ‖y_k − y_d,k‖² as entry k of `squared_distances` (N + 1); an entry of zero weight stays zero.
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
@@ -95,10 +95,10 @@ public:
   /// Returns the weight α of the control cost; the derivative of that cost by the control is α u.
   [[nodiscard]] double alpha() const { return weights_.alpha(); }
 
-  /// Returns the distance ‖y − y_d,k‖ in L2 of the observed set.
+  /// Returns the distance ‖y − y_d,k‖ in the norm of the observed set.
   [[nodiscard]] double distance(int k, Vec y) const;
 
-  /// Returns the norm ‖y‖ in L2 of the observed set.
+  /// Returns the norm ‖y‖ in the norm of the observed set.
   [[nodiscard]] double norm(Vec y) const { return observed_.norm(y); }
 
   /// Returns the desired displacement y_d,k; valid until the next call.
@@ -110,7 +110,7 @@ public:
 private:
   /// Returns Σ_k τ_k² ∫ ‖u'‖² dt, the integral being over step k.
   [[nodiscard]] double variation(const Control& u) const;
-  /// Returns ‖y − y_d,k‖² in L2 of the observed set.
+  /// Returns ‖y − y_d,k‖² in the norm of the observed set.
   double squared_distance(int k, Vec y) const;
   /// Adds weight(k) W (y − less) to `sum`; a null `less` counts as zero.
   void add_weighted(int k, Vec y, Vec less, step::StateDual sum) const;

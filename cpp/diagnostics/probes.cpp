@@ -2,6 +2,7 @@
 #include "diagnostics/probes.h"
 #include "base/error.h"
 #include "linalg/dense.h"
+#include "scene/targets.h"
 #include "step/functionals.h"
 #include <algorithm>
 #include <fmt/format.h>
@@ -60,10 +61,9 @@ Probes::Probes(const step::Stepper& stepper, const scene::Scene& scene)
       add_group(probe.name, *probe.on, key_of(i) + ".on");
     if (probe.body)
       add_body(probe.name);
-    if (probe.obstacle) {
-      const auto named = std::ranges::find(scene.contacts, *probe.obstacle, &scene::Contact::name);
-      add_obstacle(probe.name, static_cast<std::size_t>(named - scene.contacts.begin()));
-    }
+    if (probe.obstacle)
+      add_obstacle(probe.name,
+                   static_cast<std::size_t>(scene::obstacle_number(scene.contacts, *probe.obstacle)));
   }
 }
 

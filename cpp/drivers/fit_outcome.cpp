@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/fit_outcome.h"
 #include "diagnostics/contact_forces.h"
+#include "scene/targets.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -120,7 +121,7 @@ io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussN
     const scene::Unknown& unknown = scene.unknowns[j];
     fit.unknowns.push_back({.name = unknown.name,
                             .quantity = scene::name(unknown.of),
-                            .unit = scene::unit(scene, unknown),
+                            .unit = scene::unit(scene, unknown, problem.discretisation->space.dim()),
                             .scale = scene::name(unknown.scale),
                             .value = theta[j],
                             .start = unknown.start,
@@ -207,8 +208,7 @@ std::vector<io::ComparedQuantity> compared(const problem::Problem& problem,
       continue;
     std::string obstacle;
     if (one.obstacle && scene.contacts.size() > 1)
-      obstacle = diagnostics::obstacle_suffix(static_cast<int>(
-          std::ranges::find(scene.contacts, *one.obstacle, &scene::Contact::name) - scene.contacts.begin()));
+      obstacle = diagnostics::obstacle_suffix(scene::obstacle_number(scene.contacts, *one.obstacle));
     std::string quantity = scene::name(one.of);
     std::ranges::replace(quantity, '-', '_');
     const bool touched = numbers.at("contact_time" + obstacle) > 0;

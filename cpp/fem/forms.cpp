@@ -143,11 +143,11 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
              : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
-/// Diagonal entries of a form at the virtual nodes (virtual nodes × dim); those of d are m + τ/2 b + τ²/4 a.
-std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) {
+/// Diagonal entries of a form at virtual nodes (virtual nodes × dim); those of d are m + τ/2 b + τ²/4 a.
+std::vector<double> diagonal_of(const std::vector<VirtualNode>& nodes, int dim, Form form, double tau) {
   std::vector<double> diagonal;
-  for (const VirtualNode& node : space.layout().virtual_nodes())
-    for (std::size_t c = 0; c < static_cast<std::size_t>(space.dim()); ++c)
+  for (const VirtualNode& node : nodes)
+    for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
       diagonal.push_back(form == Form::m   ? node.mass[c]
                          : form == Form::b ? node.damping[c]
                          : form == Form::a ? node.stiffness[c]
@@ -176,7 +176,16 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
         of_a_step ? of_step(part.material, tau) : of_material(part.material), matrix);
   }
   finish(matrix);
-  return symmetric(space.layout().extended(std::move(matrix), of_virtual_nodes(space, form, tau)));
+  return symmetric(space.layout().extended(
+      std::move(matrix), diagonal_of(space.layout().virtual_nodes(), space.dim(), form, tau)));
+}
+
+petsc::Matrix assemble_virtual(const Space& space, const std::vector<VirtualNode>& nodes, Form form) {
+  constexpr double no_tau = 0; // for forms without a time step
+  const std::vector<double> diagonal = diagonal_of(nodes, space.dim(), form, no_tau);
+  if (std::ranges::all_of(diagonal, [](double entry) { return entry == 0; }))
+    return {};
+  return space.layout().diagonal(diagonal);
 }
 
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,

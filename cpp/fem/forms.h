@@ -60,6 +60,10 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
                            const char* type);
 
+/// Returns the form m, b or a at virtual nodes with the values `nodes`, as many as the space has, as a matrix
+/// of V that is zero for the mesh's dofs; null if all entries are zero. Collective.
+petsc::Matrix assemble_virtual(const Space& space, const std::vector<VirtualNode>& nodes, Form form);
+
 /// Assembles the stiffness against `moduli` (Pa) of the part with the number `part`: the form b with bulk and
 /// shear modulus as κ and η. The matrix, in blocks (BAIJ), has entries between nodes of the part's cells, and
 /// stored zeros on the rest of its diagonal. Collective.

@@ -71,6 +71,17 @@ petsc::Matrix Layout::extended(petsc::Matrix matrix, std::span<const double> dia
   return made;
 }
 
+petsc::Matrix Layout::diagonal(std::span<const double> diagonal) const {
+  const petsc::Vector entries = vector();
+  if (owns_virtual_nodes_) {
+    const petsc::WriteArray values(entries);
+    std::ranges::copy(diagonal, std::span<PetscScalar>(values).subspan(mesh_dofs()).begin());
+  }
+  petsc::Matrix made;
+  check(MatCreateDiagonal(entries, made.put()));
+  return made;
+}
+
 namespace {
 
 /// Creates the space of Lagrange functions of `degree`. Collective.
@@ -107,6 +118,11 @@ Space::Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtua
     if (std::abs(coordinate) < 1e-14 * mesh.diameter())
       coordinate = 0;
 }
+
+Space::Space(const Space& space, std::vector<VirtualNode> virtual_nodes)
+    : mesh_(space.mesh_), degree_(space.degree_), V_(space.V_),
+      layout_(space.comm(), space.dim(), space.owned_nodes(), std::move(virtual_nodes)),
+      points_(space.points_) {}
 
 std::vector<int> Space::nodes_on(const std::string& group, const std::string& key, bool with_area) const {
   const auto topology = mesh_->dolfinx()->topology();

@@ -65,6 +65,9 @@ public:
   /// gets the same columns too, with `diagonal` (virtual nodes × dim; zero if empty) as diagonal entries.
   /// Returns `matrix` unchanged if there are no virtual nodes. Collective.
   [[nodiscard]] petsc::Matrix extended(petsc::Matrix matrix, std::span<const double> diagonal = {}) const;
+  /// Creates the diagonal matrix of V with `diagonal` (virtual nodes × dim) at the dofs of the virtual nodes
+  /// and zero elsewhere. Collective.
+  [[nodiscard]] petsc::Matrix diagonal(std::span<const double> diagonal) const;
 
 private:
   MPI_Comm comm_;
@@ -81,6 +84,8 @@ class Space {
 public:
   /// Sets up the space. `mesh` must outlive it. Collective.
   Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes = {});
+  /// Sets up a space with the functions of `space` and other virtual nodes. Collective.
+  Space(const Space& space, std::vector<VirtualNode> virtual_nodes);
 
   [[nodiscard]] int dim() const { return mesh_->dim(); }
   [[nodiscard]] int degree() const { return degree_; }

@@ -8,7 +8,9 @@
 #include "io/field_reader.h"
 #include "io/stored_control.h"
 #include "problem/static_start.h"
+#include "scene/targets.h"
 #include "trajectory/step_control.h"
+#include <array>
 #include <fmt/format.h>
 
 namespace signorini::problem {
@@ -41,7 +43,7 @@ bool has_densities(const scene::Scene& scene, bool optimal_control) {
   const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
   return (scene.load && scene.load->body) ||
          (controlled && !scene.control->on && scene.control->space == scene::ControlValues::nodal) ||
-         (optimal_control && scene.objective && !scene.objective->on);
+         (optimal_control && scene.objective && !scene.objective->on && !scene.objective->obstacle);
 }
 
 using Displacements = std::unique_ptr<const step::Displacements>;
@@ -114,17 +116,25 @@ private:
   mutable int last_ = -1; ///< step last evaluated: it is requested several times in a row
 };
 
-/// A motion that is constant in time: its displacement is interpolated once.
+/// A motion that is constant in time: its displacement is evaluated once.
 class Constant final : public step::Displacements {
 public:
-  Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
-    problem.space.interpolate(field, 0, y_);
-  }
+  Constant(const Problem& problem, const Evaluate& evaluate) : y_(problem.space.vector()) { evaluate(0, y_); }
   [[nodiscard]] Vec y(const step::TimeStep&) const override { return y_; }
 
 private:
   petsc::Vector y_;
 };
+
+/// Sets the translation of an obstacle with mass in y to a field's value at its centre of mass.
+void set_translation(const Problem& problem, const std::string& obstacle, const scene::Field& field, double t,
+                     Vec y) {
+  const contact::RigidMotion& motion =
+      *problem.stepper.pairs()->rigid(scene::obstacle_number(problem.scene.contacts, obstacle));
+  std::array<double, 3> value{};
+  field.evaluate(motion.center().data(), t, value.data());
+  motion.set_translation(value, y);
+}
 
 Displacements given(const Problem& problem, Evaluate evaluate, bool keep) {
   if (keep)
@@ -208,7 +218,7 @@ SpaceDiscretisation::SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scen
 Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
                  step::Stepper::Needs needs, Timers& t, trajectory::Stops stops)
     : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
-      space(discretisation->space),
+      space(discretisation->space, contact::virtual_nodes(s.contacts, mesh.dim(), mesh.axisymmetric())),
       operators(timed(t, "assembly",
                       [&] {
                         return fem::assemble_operators(
@@ -309,10 +319,15 @@ Displacements given_motion(const Problem& problem, bool keep) {
   const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
   const auto field =
       std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
+  const Evaluate evaluate = [&problem, field](double t, Vec y) {
+    if (const std::optional<std::string>& obstacle = problem.scene.objective->obstacle)
+      set_translation(problem, *obstacle, *field, t, y);
+    else
+      problem.space.interpolate(*field, t, y);
+  };
   if (field->depends_on_time())
-    return given(
-        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); }, keep);
-  return std::make_unique<Constant>(problem, *field);
+    return given(problem, evaluate, keep);
+  return std::make_unique<Constant>(problem, evaluate);
 }
 
 std::optional<Warning> desired_run_spacing_warning(const Problem& problem) {
@@ -357,8 +372,7 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       reference(reference_control(problem, controls)), storage(state_stores(problem)),
       desired_storage(state_stores(problem)),
       objective(controls, problem.operators, problem.grid,
-                desired_states(problem, controls, reference, desired_storage, console),
-                *problem.scene.objective),
+                desired_states(problem, controls, reference, desired_storage, console), problem.scene),
       reduced({.stepper = &problem.stepper,
                .initial = &problem.initial,
                .storage = &storage,

@@ -7,7 +7,8 @@
 
 namespace signorini::problem {
 
-/// Mesh of a scene and the finite-element space on it; neither depends on unknown parameters.
+/// Mesh of a scene and the finite-element space on it. Unknown parameters change neither but the values of
+/// virtual nodes, which are those at the scene's own values.
 struct SpaceDiscretisation {
   /// Reads or generates the mesh of a scene. Throws UserError. Collective.
   SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
@@ -34,7 +35,7 @@ struct Problem {
   Timers& timers;
   std::shared_ptr<const SpaceDiscretisation> discretisation; ///< may be shared with other problems
   const mesh::Mesh& mesh;
-  const fem::Space& space;
+  fem::Space space; ///< that of the discretisation, with the virtual nodes of `scene`
   fem::Operators operators;
   step::Stepper stepper;
   step::TimeGrid grid; ///< the time steps; steps of varying length are set by choose_steps() or a simulation

@@ -51,8 +51,7 @@ std::unique_ptr<const step::Displacements> desired(const Problem& problem,
 RunObjective::RunObjective(const Problem& problem, const GivenControl& given)
     : problem_(problem), given_(given),
       controls_(problem.space, problem.operators, problem.grid, *problem.scene.control),
-      observed_(problem.space, problem.operators, *problem.scene.objective),
-      desired_(desired(problem, controls_)) {}
+      observed_(problem.space, problem.operators, problem.scene), desired_(desired(problem, controls_)) {}
 
 void RunObjective::observe(const trajectory::Frame& frame) {
   const auto timer = problem_.timers.time("objective");

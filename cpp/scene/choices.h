@@ -104,9 +104,14 @@ enum class Parameter {
   normal_damping,
   tangential_damping,
   friction,
-  surface_velocity
+  surface_velocity,
+  mass,
+  inertia,
+  rigid_velocity,
+  spring_stiffness,
+  dashpot_damping
 };
-constexpr Names<25> names(Parameter) {
+constexpr Names<30> names(Parameter) {
   return {"young",
           "poisson",
           "bulk",
@@ -131,7 +136,12 @@ constexpr Names<25> names(Parameter) {
           "damping.normal",
           "damping.tangential",
           "friction",
-          "surface_velocity"};
+          "surface_velocity",
+          "mass",
+          "inertia",
+          "velocity",
+          "stiffness",
+          "damping"};
 }
 
 /// Scale on which a fit varies an unknown and reports its uncertainty.

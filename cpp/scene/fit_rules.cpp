@@ -22,6 +22,28 @@ void require_where(Reader& in, const char* key, bool needed, bool allowed, const
     in.fail(key, otherwise);
 }
 
+/// Throws UserError unless an obstacle has mass and the number of it that is unknown.
+void require_rigid_parameter(Reader& in, const Unknown& unknown, const Contact& contact, const Scene& scene) {
+  const std::string of = name(unknown.of);
+  if (!contact.rigid)
+    in.fail("of", fmt::format("found \"{}\" of an obstacle without mass; give obstacle.mass", of));
+  RigidBody body = *contact.rigid;
+  const std::vector<double>* numbers = numbers_of(body, unknown.of);
+  if (numbers && numbers->empty())
+    in.fail("of", fmt::format("found \"{0}\" of an obstacle without it; give obstacle.{0}", of));
+  const bool several = numbers && numbers->size() > 1;
+  require_where(in, "component", several, several,
+                "has no effect on one number for all components; give one for each, or remove it");
+  if (!several)
+    return;
+  if (static_cast<std::size_t>(*unknown.component) >= numbers->size())
+    in.fail("component", fmt::format("found \"{}\", but obstacle.{} has {} components; choose one of these",
+                                     name(*unknown.component), of, numbers->size()));
+  if (unknown.of != Parameter::inertia && !body.moves_along(*unknown.component, scene.mesh.axisymmetric()))
+    in.fail("component", fmt::format("found \"{}\", along which the obstacle does not move; choose another",
+                                     name(*unknown.component)));
+}
+
 /// Throws UserError unless the obstacle of an unknown has the parameter that is unknown.
 void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene& scene) {
   const std::string of = name(unknown.of);
@@ -31,6 +53,8 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
   if (unknown.obstacle)
     require_obstacle(in, *unknown.obstacle, scene);
   const Contact& contact = scene.contacts[contact_of(scene, unknown)];
+  if (of_rigid_body(unknown.of))
+    return require_rigid_parameter(in, unknown, contact, scene);
   if (of_friction(unknown.of) && !contact.frictional())
     in.fail("of", fmt::format("found \"{}\" of an obstacle without friction; give contact.friction", of));
   if (unknown.of == Parameter::surface_velocity && !contact.surface_velocity)
@@ -184,7 +208,7 @@ void require_another(const Reader& in, const Unknown& unknown, const Scene& scen
 
 /// Throws UserError unless the vector of an unknown has the unknown's component.
 void require_component(const Reader& in, const Unknown& unknown, const Scene& scene) {
-  if (!unknown.component || unknown.of == Parameter::angle)
+  if (!unknown.component || unknown.of == Parameter::angle || of_rigid_body(unknown.of))
     return;
   const std::size_t size = components_of(scene, unknown).size();
   if (static_cast<std::size_t>(*unknown.component) >= size)
@@ -192,11 +216,12 @@ void require_component(const Reader& in, const Unknown& unknown, const Scene& sc
                                      name(*unknown.component), size));
 }
 
-/// Scale of an unknown whose table gives none: logarithmic for friction and for numbers of materials and
-/// foundations that have a unit.
+/// Scale of an unknown whose table gives none: logarithmic for friction and for numbers of materials,
+/// foundations and masses that have a unit, but not for velocities.
 ParameterScale usual_scale(Parameter of) {
   const bool fraction = of == Parameter::poisson || of == Parameter::prony_g || of == Parameter::prony_k;
-  return (of_material(of) && !fraction) || of_foundation(of) || of == Parameter::friction
+  return (of_material(of) && !fraction) || of_foundation(of) || of == Parameter::friction ||
+                 (of_rigid_body(of) && of != Parameter::rigid_velocity)
              ? ParameterScale::logarithmic
              : ParameterScale::linear;
 }
@@ -222,8 +247,10 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   require_model(in, unknown, scene);
   const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
                         unknown.of == Parameter::angle;
-  require_where(in, "component", unknown.of == Parameter::center, in_place || unknown.of == Parameter::center,
-                "has no effect on an unknown without direction; remove it");
+  if (!of_rigid_body(unknown.of))
+    require_where(in, "component", unknown.of == Parameter::center,
+                  in_place || unknown.of == Parameter::center,
+                  "has no effect on an unknown without direction; remove it");
   if (!of_material(unknown.of) && !of_foundation(unknown.of) && unknown.of != Parameter::traction &&
       in.has("on"))
     in.fail("on", "has an effect only on materials, foundations and tractions; remove it");
@@ -236,7 +263,9 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
     usual += " " + name(*unknown.component);
   if (unknown.branch)
     usual += fmt::format(" {}", *unknown.branch);
-  if (unknown.on || unknown.obstacle)
+  if (of_rigid_body(unknown.of)) // "velocity" alone might be the body's
+    usual += " of " + scene.contacts[contact_of(scene, unknown)].name;
+  else if (unknown.on || unknown.obstacle)
     usual += " of " + unknown.on.value_or(unknown.obstacle.value_or(""));
   unknown.name = unique_name(in, usual, scene.unknowns, "unknown");
   require_free_name(in, unknown.name);
@@ -244,6 +273,11 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
   if (!in.has("scale"))
     unknown.scale = usual_scale(unknown.of);
   require_component(in, unknown, scene);
+  if (unknown.of == Parameter::spring_stiffness && !unknown.logarithmic() &&
+      scene.contacts[contact_of(scene, unknown)].rigid->mass == 0)
+    in.fail("scale",
+            "found \"linear\" for the stiffness of an obstacle with mass 0, which must stay above 0; "
+            "set it to \"log\"");
   if (!in.has("start")) {
     const std::optional<double> own = value_in_scene(scene, unknown);
     if (!own)
@@ -268,10 +302,11 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
   const bool motion = measurement.of == Quantity::displacement || measurement.of == Quantity::velocity;
   const std::string of = name(measurement.of);
   if (motion) {
-    if (in.has("point") == in.has("on"))
-      in.fail("", fmt::format("found {}; give one of point, on", in.has("on") ? "both" : "neither"));
-    if (in.has("obstacle"))
-      in.fail("obstacle", fmt::format("has no effect on a {}; remove it", of));
+    const std::ptrdiff_t given = in.has("point") + in.has("on") + in.has("obstacle");
+    if (given != 1)
+      in.fail("", fmt::format("found {}; give one of point, on, obstacle", given == 0 ? "none" : "several"));
+    if (measurement.obstacle)
+      require_mass(in, *measurement.obstacle, scene);
   } else {
     if (scene.contacts.empty())
       in.fail("of", fmt::format("found \"{}\" in a scene without [contact]; add one", of));

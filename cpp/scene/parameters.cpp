@@ -86,44 +86,6 @@ void multiply(Components& components, double factor) {
   }
 }
 
-/// Reference to the number of a material or a foundation that is unknown.
-double& number_of(Scene& scene, const Unknown& unknown) {
-  if (of_foundation(unknown.of)) {
-    Foundation& foundation = scene.foundations[foundation_of(scene, unknown)];
-    switch (unknown.of) {
-    case Parameter::normal_stiffness:
-      return foundation.stiffness.value().normal;
-    case Parameter::tangential_stiffness:
-      return foundation.stiffness.value().tangential;
-    case Parameter::normal_damping:
-      return foundation.damping.value().normal;
-    default:
-      return foundation.damping.value().tangential;
-    }
-  }
-  Material& material = scene.materials[material_of(scene, unknown)];
-  switch (unknown.of) {
-  case Parameter::young:
-    return material.young;
-  case Parameter::poisson:
-    return material.poisson;
-  case Parameter::bulk:
-    return material.viscosity.value().bulk;
-  case Parameter::shear:
-    return material.viscosity.value().shear;
-  case Parameter::alpha:
-    return material.rayleigh.value().alpha;
-  case Parameter::beta:
-    return material.rayleigh.value().beta;
-  case Parameter::prony_g:
-  case Parameter::prony_k:
-  case Parameter::prony_time:
-    return number_of(material.prony.at(branch_of(scene, unknown)), unknown.of);
-  default:
-    return material.density;
-  }
-}
-
 void set(Scene& scene, const Unknown& unknown, double value) {
   switch (unknown.of) {
   case Parameter::young:
@@ -140,6 +102,11 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::tangential_stiffness:
   case Parameter::normal_damping:
   case Parameter::tangential_damping:
+  case Parameter::mass:
+  case Parameter::inertia:
+  case Parameter::rigid_velocity:
+  case Parameter::spring_stiffness:
+  case Parameter::dashpot_damping:
     number_of(scene, unknown) = value;
     return;
   case Parameter::displacement:
@@ -194,11 +161,8 @@ void set(Scene& scene, const Unknown& unknown, double value) {
 
 } // namespace
 
-double& number_of(Branch& branch, Parameter of) {
-  return of == Parameter::prony_g ? branch.g : of == Parameter::prony_k ? branch.k : branch.time;
-}
-
-std::string unit(const Scene& scene, const Unknown& unknown) {
+std::string unit(const Scene& scene, const Unknown& unknown, int dim) {
+  const std::string per_depth = scene.mesh.per_depth(dim);
   switch (unknown.of) {
   case Parameter::young:
     return "Pa";
@@ -230,6 +194,16 @@ std::string unit(const Scene& scene, const Unknown& unknown) {
     return "rad";
   case Parameter::friction:
     return scene.contacts[contact_of(scene, unknown)].bound ? "Pa" : "";
+  case Parameter::rigid_velocity:
+    return "m/s";
+  case Parameter::mass:
+    return "kg" + per_depth;
+  case Parameter::inertia:
+    return "kg m²" + per_depth;
+  case Parameter::spring_stiffness:
+    return "N/m" + per_depth;
+  case Parameter::dashpot_damping:
+    return "N s/m" + per_depth;
   case Parameter::poisson:
   case Parameter::prony_g:
   case Parameter::prony_k:
@@ -240,35 +214,6 @@ std::string unit(const Scene& scene, const Unknown& unknown) {
     break;
   }
   return "";
-}
-
-std::size_t material_of(const Scene& scene, const Unknown& unknown) {
-  for (std::size_t i = 0; i < scene.materials.size(); ++i)
-    if (scene.materials.size() == 1 || scene.materials[i].on == unknown.on)
-      return i;
-  throw std::out_of_range("no material of the scene has this unknown");
-}
-
-std::size_t branch_of(const Scene& scene, const Unknown& unknown) {
-  const std::size_t count = scene.materials[material_of(scene, unknown)].prony.size();
-  const auto number = static_cast<std::size_t>(unknown.branch.value_or(0));
-  if (number >= count || (count > 1 && !unknown.branch))
-    throw std::out_of_range("no branch of the material has this unknown");
-  return number;
-}
-
-std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
-  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
-    if (scene.contacts.size() == 1 || scene.contacts[i].name == unknown.obstacle)
-      return i;
-  throw std::out_of_range("no obstacle of the scene has this unknown");
-}
-
-std::size_t foundation_of(const Scene& scene, const Unknown& unknown) {
-  for (std::size_t i = 0; i < scene.foundations.size(); ++i)
-    if (scene.foundations.size() == 1 || scene.foundations[i].on == unknown.on)
-      return i;
-  throw std::out_of_range("an unknown of no foundation");
 }
 
 bool scales(const Unknown& unknown, const Traction& traction) {
@@ -282,6 +227,8 @@ Limits natural_limits(Parameter of) {
   case Parameter::radius:
   case Parameter::prony_time:
   case Parameter::friction: // without friction the step has other equations
+  case Parameter::mass:
+  case Parameter::inertia:
     return {.least = 0, .open = true};
   case Parameter::prony_g:
   case Parameter::prony_k:
@@ -294,6 +241,8 @@ Limits natural_limits(Parameter of) {
   case Parameter::tangential_stiffness:
   case Parameter::normal_damping:
   case Parameter::tangential_damping:
+  case Parameter::spring_stiffness:
+  case Parameter::dashpot_damping:
     return {.least = 0};
   case Parameter::poisson:
     return {.least = -1, .greatest = 0.5, .open = true};
@@ -326,7 +275,12 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
   case Parameter::normal_stiffness:
   case Parameter::tangential_stiffness:
   case Parameter::normal_damping:
-  case Parameter::tangential_damping: {
+  case Parameter::tangential_damping:
+  case Parameter::mass:
+  case Parameter::inertia:
+  case Parameter::rigid_velocity:
+  case Parameter::spring_stiffness:
+  case Parameter::dashpot_damping: {
     Scene copy = scene;
     return number_of(copy, unknown);
   }
@@ -380,6 +334,18 @@ Scene with_values(Scene scene, std::span<const double> values) {
       if ((unknowns[i].of == Parameter::angle) == turns)
         set(scene, unknowns[i], values[i]);
   return scene;
+}
+
+std::vector<Contact> rigid_body_rate(Scene scene, const Unknown& unknown) {
+  for (Contact& contact : scene.contacts)
+    if (std::optional<RigidBody>& body = contact.rigid) {
+      body->mass = 0;
+      body->force.reset();
+      for (std::vector<double>* numbers : {&body->velocity, &body->inertia, &body->stiffness, &body->damping})
+        std::ranges::fill(*numbers, 0);
+    }
+  number_of(scene, unknown) = 1;
+  return scene.contacts;
 }
 
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/scene.h"
+#include "scene/targets.h"
 #include "scene/units.h"
 #include <array>
 #include <optional>
@@ -10,8 +11,8 @@
 /// Values of a scene's unknowns and their effect on the scene; docs/method.md section 9.
 namespace signorini::scene {
 
-/// SI unit of an unknown; empty for a number without unit.
-std::string unit(const Scene& scene, const Unknown& unknown);
+/// SI unit of an unknown of a scene whose mesh has `dim` dimensions; empty for a number without unit.
+std::string unit(const Scene& scene, const Unknown& unknown, int dim);
 
 /// Physical limits of a parameter, such as those of a density, which is positive.
 Limits natural_limits(Parameter of);
@@ -25,29 +26,17 @@ constexpr bool of_foundation(Parameter of) {
 constexpr bool of_friction(Parameter of) {
   return of == Parameter::friction || of == Parameter::surface_velocity;
 }
+/// Whether a parameter belongs to the mass of an obstacle.
+constexpr bool of_rigid_body(Parameter of) {
+  return of >= Parameter::mass && of <= Parameter::dashpot_damping;
+}
 constexpr bool of_obstacle(Parameter of) {
-  return (of >= Parameter::position && of <= Parameter::radius) || of_friction(of);
+  return (of >= Parameter::position && of <= Parameter::radius) || of_friction(of) || of_rigid_body(of);
 }
 
 /// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these
 /// components or a factor on all of them.
 Components components_of(const Scene& scene, const Unknown& unknown);
-
-/// Index in scene.materials of the material to which an unknown belongs. Throws std::out_of_range if the
-/// scene has no such material, which reading a scene excludes.
-std::size_t material_of(const Scene& scene, const Unknown& unknown);
-/// Index in the material's `prony` of the branch to which an unknown belongs. Throws std::out_of_range if the
-/// material has no such branch, which reading a scene excludes.
-std::size_t branch_of(const Scene& scene, const Unknown& unknown);
-/// Returns the fraction or the time of a branch, whichever the parameter `of` names.
-double& number_of(Branch& branch, Parameter of);
-/// Index in scene.contacts of the obstacle to which an unknown belongs. Throws std::out_of_range if the scene
-/// has no such obstacle, which reading a scene excludes.
-std::size_t contact_of(const Scene& scene, const Unknown& unknown);
-
-/// Index in scene.foundations of the foundation to which an unknown belongs. Throws std::out_of_range if the
-/// scene has no such foundation, which reading a scene excludes.
-std::size_t foundation_of(const Scene& scene, const Unknown& unknown);
 
 /// Value that the other tables of the scene give to an unknown, such as a density. It is 1 for a factor, and
 /// 0 for the displacement or rotation of a plane. Absent if the tables give an expression of place or time.
@@ -69,6 +58,10 @@ struct ObstacleRate {
 /// Computes the derivatives of an obstacle's geometry by the unknown `number`, counted from 0, at `values` of
 /// all unknowns. `scene`: as read, without these values.
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number);
+
+/// Obstacles whose numbers are the derivatives of those of the obstacles with mass by an unknown, of
+/// of_rigid_body(). Both are linear: all numbers are zero but that of the unknown, which is 1.
+std::vector<Contact> rigid_body_rate(Scene scene, const Unknown& unknown);
 
 /// Limits of an unknown: the physical limits of its parameter, and above 0 on a logarithmic scale.
 Limits limits(const Unknown& unknown);

@@ -96,7 +96,14 @@ void require_rules(Reader& in, Control& control, const Scene& scene) {
   }
 }
 
-void require_rules(Reader& in, const Objective& objective, const Scene&) {
+void require_rules(Reader& in, const Objective& objective, const Scene& scene) {
+  if (objective.obstacle) {
+    require_mass(in, *objective.obstacle, scene);
+    if (objective.on)
+      in.fail("on", "found together with obstacle; give only one of them");
+    if (std::holds_alternative<DesiredRun>(objective.desired))
+      in.fail("desired", "found a run, which stores no motion of obstacles; give displacement or control");
+  }
   if (objective.tracking == 0 && objective.gamma == 0)
     in.fail("tracking", "found 0, and gamma is 0 too; set at least one of them above 0");
 }
@@ -138,6 +145,13 @@ void require_obstacle(const Reader& in, const std::string& obstacle, const Scene
   if (std::ranges::find(names, obstacle) == names.end())
     in.fail("obstacle",
             fmt::format("found \"{}\"{}; choices: {}", obstacle, suggestion(obstacle, names), list(names)));
+}
+
+void require_mass(const Reader& in, const std::string& obstacle, const Scene& scene) {
+  require_obstacle(in, obstacle, scene);
+  if (!std::ranges::find(scene.contacts, obstacle, &Contact::name)->rigid)
+    in.fail("obstacle",
+            fmt::format("found \"{}\", which does not move freely; give this obstacle a mass", obstacle));
 }
 
 std::string obstacle_name(Reader& in, const Scene& scene) {

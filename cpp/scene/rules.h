@@ -58,6 +58,8 @@ std::string unique_name(Reader& in, const std::string& otherwise, const std::vec
 std::string excess_of_fractions(const Material& material);
 /// Throws UserError, naming the key `obstacle`, unless the scene has an obstacle of that name.
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
+/// Throws UserError unless the scene has an obstacle with mass named `obstacle`.
+void require_mass(const Reader& in, const std::string& obstacle, const Scene& scene);
 /// Checks the rules of scenes with unknowns or measurements, and sets the search method for the unknowns.
 void require_fit_rules(Reader& in, Scene& scene);
 /// Reads the name of the scene's last obstacle from the obstacle's table; "obstacle 1", "obstacle 2", … if

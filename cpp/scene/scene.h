@@ -76,6 +76,12 @@ struct RigidBody {
   std::optional<Components> force;                  ///< N, as expressions in t
   std::vector<double> stiffness; ///< of springs to the ground, N/m: one or one per component
   std::vector<double> damping;   ///< of dashpots to the ground, N s/m, likewise
+
+  /// Whether its centre of mass may move along a component.
+  [[nodiscard]] bool moves_along(Component component, bool axisymmetric) const {
+    const bool radial = axisymmetric && component == Component::x;
+    return !radial && (!components || std::ranges::find(*components, component) != components->end());
+  }
 };
 
 /// Table [contact], or one of [[contact]].
@@ -165,9 +171,10 @@ struct DesiredRun {
 struct Objective {
   std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
   std::optional<std::string> on; ///< group of cells or facets where y is compared with y_d; absent: the body
-  double tracking = 1;           ///< θ, weight of the tracking term
-  double alpha = 0;              ///< α, weight of the control cost
-  double gamma = 0;              ///< γ, weight of the terminal term, s
+  std::optional<std::string> obstacle; ///< obstacle with mass whose translation is compared instead
+  double tracking = 1;                 ///< θ, weight of the tracking term
+  double alpha = 0;                    ///< α, weight of the control cost
+  double gamma = 0;                    ///< γ, weight of the terminal term, s
 };
 
 /// Normal prior of an unknown or, if the unknown has a logarithmic scale, of its logarithm.
@@ -194,11 +201,11 @@ struct Unknown {
 /// One table [[measurement]]: data about the motion; docs/method.md section 10.
 struct Measurement {
   Quantity of = Quantity::displacement;
-  std::string name;                          ///< name in tables, unique
-  std::optional<std::vector<double>> point;  ///< point of the undeformed body, m
-  std::optional<std::string> on;             ///< group over which the motion is averaged; absent: use `point`
-  std::optional<std::string> obstacle;       ///< obstacle of a contact quantity; absent: sum of all obstacles
-  std::optional<Component> component;        ///< component; set for every fitted quantity
+  std::string name;                         ///< name in tables, unique
+  std::optional<std::vector<double>> point; ///< point of the undeformed body, m
+  std::optional<std::string> on;            ///< group over which the motion is averaged; absent: use `point`
+  std::optional<std::string> obstacle; ///< obstacle that moves, or of a contact quantity; absent: sum of all
+  std::optional<Component> component;  ///< component; set for every fitted quantity
   std::optional<std::filesystem::path> file; ///< absolute path of a CSV with times and values; set if fitted
   std::string column = "value";              ///< column of the values in `file`
   std::optional<double> value;               ///< measured value of a quantity that is only compared, s or N

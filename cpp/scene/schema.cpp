@@ -499,16 +499,21 @@ Key<Objective> desired() {
 } // namespace
 
 Keys<Objective> keys_of(Of<Objective>) {
-  return {desired(),
-          value("on", &Objective::on, Text{}, "",
-                "group of the body or the boundary on which the motion is compared with the desired one",
-                {.otherwise = "the body"}),
-          value("tracking", &Objective::tracking, Number{weight}, "",
-                "weight of the distance to the desired motion over time", {.effect = "tracking term"}),
-          value("alpha", &Objective::alpha, Number{weight}, "", "weight of the control's cost",
-                {.effect = "control cost"}),
-          value("gamma", &Objective::gamma, Number{{.least = 0, .unit = "weight, s"}}, "s",
-                "weight of the distance to the desired state at `time.end`", {.effect = "terminal term"})};
+  return {
+      desired(),
+      value("on", &Objective::on, Text{}, "",
+            "group of the body or the boundary on which the motion is compared with the desired one",
+            {.otherwise = "the body"}),
+      value("obstacle", &Objective::obstacle, Text{"name of an obstacle"}, "",
+            "in place of `on`: obstacle with mass whose translation is compared; squared distances are in "
+            "m² then",
+            {.otherwise = "none"}),
+      value("tracking", &Objective::tracking, Number{weight}, "",
+            "weight of the distance to the desired motion over time", {.effect = "tracking term"}),
+      value("alpha", &Objective::alpha, Number{weight}, "", "weight of the control's cost",
+            {.effect = "control cost"}),
+      value("gamma", &Objective::gamma, Number{{.least = 0, .unit = "weight, s"}}, "s",
+            "weight of the distance to the desired state at `time.end`", {.effect = "terminal term"})};
 }
 
 Keys<Prior> keys_of(Of<Prior>) {
@@ -529,7 +534,10 @@ Keys<Unknown> keys_of(Of<Unknown>) {
                "an initial field: the value of one component in the whole body, "
                "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
                "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of its friction: the "
-               "coefficient, or a factor on the `surface_velocity`. Of a load: a factor on the load"),
+               "coefficient, or a factor on the `surface_velocity`. Of its mass: `mass`, and with "
+               "`component`, if the "
+               "obstacle has one for each, `inertia`, `velocity`, `stiffness` and `damping`. Of a load: a "
+               "factor on the load"),
       value("name", &Unknown::name, Text{"text"}, "", "name in tables",
             {.otherwise = "made from `of`, such as `\"young\"`"}),
       value("on", &Unknown::on, Text{}, "",
@@ -538,7 +546,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
       value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "",
             "obstacle of the parameter, if there are several obstacles", {.otherwise = "the only one"}),
       value("component", &Unknown::component, Choice<Component>{}, "",
-            "component of an initial field or a centre; in space also the axis about which a plane's `angle` "
+            "component of an initial field, a centre or a number of an obstacle's mass; in space also the "
+            "axis about which a plane's `angle` "
             "turns",
             {.otherwise = "none"}),
       value("branch", &Unknown::branch, Whole{0, 999}, "",
@@ -553,7 +562,7 @@ Keys<Unknown> keys_of(Of<Unknown>) {
             "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
             {.otherwise =
                  "`\"log\"` for moduli, viscosities, Rayleigh coefficients, relaxation times, densities, "
-                 "foundations and friction; else `\"linear\"`"}),
+                 "foundations, friction and obstacles with mass but for velocities; else `\"linear\"`"}),
       inline_table("prior", &Unknown::prior, {})};
 }
 
@@ -561,9 +570,9 @@ Keys<Measurement> keys_of(Of<Measurement>) {
   return {
       required(
           "of", &Measurement::of, Choice<Quantity>{}, "",
-          "measured quantity; each measurement is a table `[[measurement]]`: motion of a point or group, "
-          "resultant force of an obstacle, or its impulse so far. With the contact-implicit scheme the force "
-          "is the mean of two steps. Contact times, the time from 1 to 99 % of the impulse and the sustained "
+          "measured quantity; each measurement is a table `[[measurement]]`. It is a motion of a point, a "
+          "group or an obstacle with mass, the resultant force of an obstacle, or its impulse so far. With "
+          "the contact-implicit scheme the force is the mean of two steps. Contact times, the time from 1 to 99 % of the impulse and the sustained "
           "peak are compared, but not fitted"),
       value("name", &Measurement::name, Text{"text"}, "", "name in tables",
             {.otherwise = "`\"measurement 1\"` … by position in the scene"}),
@@ -571,8 +580,11 @@ Keys<Measurement> keys_of(Of<Measurement>) {
             {.otherwise = "none"}),
       value("on", &Measurement::on, Text{}, "",
             "in place of `point`: group over which the motion is averaged", {.otherwise = "none"}),
-      value("obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "",
-            "obstacle whose force or impulse is measured", {.otherwise = "all obstacles together"}),
+      value(
+          "obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "",
+          "obstacle whose force or impulse is measured; of a displacement or velocity, in place of `point`: "
+          "obstacle with mass that moves",
+          {.otherwise = "all obstacles together"}),
       value("component", &Measurement::component, Choice<Component>{}, "", "component of the quantity",
             {.otherwise = "required where fitted"}),
       value("file", &Measurement::file, Path{}, "",

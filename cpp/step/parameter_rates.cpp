@@ -85,10 +85,17 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
     case radius:
       add_obstacle(scene, values, j, rate);
       break;
+    case mass:
+    case inertia:
+    case rigid_velocity:
+    case spring_stiffness:
+    case dashpot_damping:
+      add_rigid_body(scene::with_values(scene, values), unknown, rate);
+      break;
     case body:
     case gravity:
     case traction:
-      add_load(scene, unknown, rate);
+      add_load(scene, values, unknown, rate);
     }
   }
 }
@@ -170,12 +177,13 @@ void ParameterRates::add_foundation(const scene::Scene& scene, const scene::Unkn
                                                               scene::foundation_of(scene, unknown), normal);
 }
 
-void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate) const {
+void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate,
+                                 const std::vector<scene::Contact>& contacts) const {
   if (!scene.load || !scene.load->gravity)
     return;
   scene::Load gravity;
   gravity.gravity = scene.load->gravity;
-  rate.load.emplace(stepper_.space(), rate.M, gravity, stepper_.end());
+  rate.load.emplace(stepper_.space(), rate.M, gravity, stepper_.end(), contacts);
   rate.force.emplace(stepper_.space(), *rate.load);
 }
 
@@ -217,6 +225,23 @@ void ParameterRates::add_obstacle(const scene::Scene& scene, std::span<const dou
   }
 }
 
+void ParameterRates::add_rigid_body(const scene::Scene& scene, const scene::Unknown& unknown,
+                                    Rate& rate) const {
+  const fem::Space& space = stepper_.space();
+  const std::vector<scene::Contact> contacts = scene::rigid_body_rate(scene, unknown);
+  const std::vector<fem::VirtualNode> nodes =
+      contact::virtual_nodes(contacts, space.dim(), space.mesh().axisymmetric());
+  rate.M = fem::assemble_virtual(space, nodes, fem::Form::m);
+  rate.A = fem::assemble_virtual(space, nodes, fem::Form::a);
+  rate.B = fem::assemble_virtual(space, nodes, fem::Form::b);
+  if (rate.M)
+    add_gravity(scene, rate, contacts);
+  if (unknown.of == scene::Parameter::rigid_velocity) {
+    rate.v0 = space.vector();
+    contact::RigidMotion(space, contacts, scene::contact_of(scene, unknown)).set_velocity(rate.v0);
+  }
+}
+
 void ParameterRates::add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
   const bool velocity = unknown.of == scene::Parameter::velocity;
   scene::Components field = velocity ? *scene.initial.velocity : *scene.initial.displacement;
@@ -231,14 +256,15 @@ void ParameterRates::add_initial(const scene::Scene& scene, const scene::Unknown
     stepper_.extrapolate(x, work_);
 }
 
-void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
+void ParameterRates::add_load(const scene::Scene& scene, std::span<const double> values,
+                              const scene::Unknown& unknown, Rate& rate) const {
   scene::Load load;
   std::vector<scene::Contact> contacts; // with weight
   if (unknown.of == scene::Parameter::body) {
     load.body = scene.load->body;
   } else if (unknown.of == scene::Parameter::gravity) {
     load.gravity = scene.load->gravity;
-    contacts = scene.contacts;
+    contacts = scene::with_values(scene, values).contacts;
     for (scene::Contact& contact : contacts)
       if (contact.rigid)
         contact.rigid->force.reset();

@@ -76,12 +76,16 @@ private:
   void add_foundation(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
                     Rate& rate) const;
+  void add_rigid_body(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
-  void add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  void add_load(const scene::Scene& scene, std::span<const double> values, const scene::Unknown& unknown,
+                Rate& rate) const;
   template <class Add>
   void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add);
-  /// Sets rate.load to the weight of rate.M, the derivative of the mass matrix, if the scene has gravity.
-  void add_gravity(const scene::Scene& scene, Rate& rate) const;
+  /// Sets rate.load to the weight of rate.M, the derivative of the mass matrix, and of the obstacles
+  /// `contacts`, if the scene has gravity.
+  void add_gravity(const scene::Scene& scene, Rate& rate,
+                   const std::vector<scene::Contact>& contacts = {}) const;
   /// Returns the derivative of massless contact's mass matrix by unknown j, a parameter of an obstacle, by
   /// central differences.
   [[nodiscard]] petsc::Matrix redistributed_mass_rate(const scene::Scene& scene,

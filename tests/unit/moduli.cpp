@@ -130,7 +130,7 @@ TEST_CASE("a fit stays where a long-term modulus remains", "[scene]") {
   std::vector<bool> logarithmic;
   for (const scene::Unknown& unknown : scene.unknowns) {
     names.push_back(unknown.name);
-    units.push_back(scene::unit(scene, unknown));
+    units.push_back(scene::unit(scene, unknown, 2));
     logarithmic.push_back(unknown.logarithmic());
   }
   CHECK(names == std::vector<std::string>{"prony.g 0", "prony.g 1", "prony.k 1", "prony.time 0"});

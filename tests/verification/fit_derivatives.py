@@ -117,6 +117,33 @@ KEYS |= {name: {"contact__friction": {"bound": 1e5} if "bounded" in name else 0.
 for name in (name for name in CASES if "no tangential mass" in name):
     KEYS[name]["contact__mass"] = "massless-tangential"
 KEYS["revolved, rubbed"] |= SECTION
+# The body is thrown onto a plate that has mass, springs and dashpots, and turns.
+HELD = ", mass = {mass}, velocity = {velocity}, stiffness = {stiffness}, damping = {damping}, {more} }}"
+MASS = [{"of": "mass", "start": 430.0}, {"of": "velocity", "component": "y", "start": 95.0}, {"of": "stiffness", "component": "x", "start": 1.1e8},
+        {"of": "stiffness", "component": "y", "start": 1.8e8}, {"of": "damping", "start": 1.1e4}, {"of": "inertia", "start": 4.2e4}]  # fmt: skip
+MASS_IN_SPACE = [{"of": "mass", "start": 6.3e3}, {"of": "velocity", "component": "z", "start": 95.0}, {"of": "damping", "component": "z", "start": 1.1e5},
+                 {"of": "stiffness", "start": 2.1e9}, {"of": "inertia", "component": "y", "start": 4.2e5}]  # fmt: skip
+IN_PLANE = half_space(2)[:-2] + HELD.format(mass=400.0, velocity=[20.0, 100.0], stiffness=[1e8, 2e8], damping=1e4, more="inertia = 4e4, mass_center = [2.0, -18.0]")
+CASES |= {
+    "plate with mass": (2, IN_PLANE, [*MASS, EVERY[0], EVERY[4], EVERY[7], RUBBED[2]]),
+    "rubbing plate with mass": (2, IN_PLANE, [*MASS, RUBBED[0]]),
+    "plate with mass in space": (3, half_space(3)[:-2] + HELD.format(mass=6e3, velocity=[20.0, 10.0, 100.0], stiffness=2e9, damping=[1e5] * 3,
+                                 more="inertia = [4e5, 4e5, 8e5], mass_center = [1.0, 0.0, -20.0]"), [*MASS_IN_SPACE, RUBBED[0], RUBBED[2]]),
+    "revolved, plate with mass": (2, half_space(2)[:-2] + HELD.format(mass=6e3, velocity=[0.0, 100.0], stiffness=2e9, damping=1e5, more='components = ["y"]'),
+                                  [{"of": "mass", "start": 6.3e3}, MASS[1], {"of": "stiffness", "start": 2.1e9}, {"of": "damping", "start": 1.1e5}, EVERY[7]]),
+}  # fmt: skip
+KEYS |= {name: {"contact__friction": 0.3} for name in ("rubbing plate with mass", "plate with mass in space")}
+KEYS["revolved, plate with mass"] = SECTION
+for name in (name for name in CASES if "with mass" in name):
+    ADDED[name] = "".join(f'''
+[[measurement]]
+of = "{of}"
+component = "{"xyz"[CASES[name][0] - 1]}"
+obstacle = "obstacle 1"
+noise = 0.02
+file = "plate.csv"
+column = "{of}"
+''' for of in ("displacement", "velocity"))
 SETTINGS = {
     "as it is": ({}, 1),
     "degree 2": ({"mesh__degree": 2}, 1),
@@ -130,8 +157,9 @@ COARSE = {"mesh__size": 9.0}  # in space: of degree 2 there are eight times as m
 
 def settings(name: str, scheme: str) -> list[str]:
     """All in the plane, and with one scheme on a ball and in space; three ranks with that scheme."""
-    once = "contact-stabilized" if name in ("ball", "space", "relaxing in space") or name.startswith("rubbed in space") else None
-    if name not in ("plane", "surroundings", "relaxing", "revolved", "plate", "rubbed", "rubbed, bounded", "rubbed, no tangential mass") and scheme != once:
+    once = "contact-stabilized" if name in ("ball", "space", "relaxing in space", "plate with mass in space") or name.startswith("rubbed in space") else None
+    if name not in ("plane", "surroundings", "relaxing", "revolved", "plate", "rubbed", "rubbed, bounded", "rubbed, no tangential mass", "plate with mass",
+                    "revolved, plate with mass") and scheme != once:
         return ["as it is"]
     return [setting for setting in SETTINGS if setting != "3 ranks" or scheme == "contact-stabilized"]
 

@@ -27,6 +27,12 @@ def fit_cases() -> list[Case]:
         """An unknown of a scene with friction."""
         return fit(name, unknown, force, *expect, edits=(("[contact]", f"[contact]\nfriction = {friction}"),))
 
+    def hit(name: str, unknown: str, keys: str, *expect: Expected, measured: str = force, **more: object) -> Case:
+        """An unknown of an obstacle with more keys."""
+        return fit(name, unknown, measured, *expect, edits=(("normal = [0, 1] }", f"normal = [0, 1], {keys} }}"),), **more)
+
+    motion = 'of = "displacement"\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1\nobstacle = "obstacle 1"'
+
     def unknown(name: str, keys: str, *expect: Expected) -> Case:
         return fit(name, keys, force, *expect)
 
@@ -48,6 +54,23 @@ def fit_cases() -> list[Case]:
               'mesh.size: "auto" cannot be combined with [[unknown]]; give a size in m, such as --set mesh.size=0.1',
               edits=(('file = "square.msh"', 'file = "square.geo"\nsize = "auto"'),), mesh=GEO, mesh_file="square.geo", verb=verb)
           for verb in ("optimize", "check")),
+        unknown("mass of an obstacle without any", 'of = "mass"', 'unknown[0].of: found "mass" of an obstacle without mass; give obstacle.mass'),
+        hit("springs of an obstacle without any", 'of = "stiffness"', "mass = 1", 'unknown[0].of: found "stiffness" of an obstacle without it'),
+        hit("velocity without a component", 'of = "velocity"', "mass = 1, velocity = [0, 1]", "unknown[0].component: missing"),
+        hit("velocity in space of an unknown", 'of = "velocity"\ncomponent = "z"', "mass = 1, velocity = [0, 1]",
+            'unknown[0].component: found "z", but obstacle.velocity has 2 components'),
+        hit("velocity that is held", 'of = "velocity"\ncomponent = "x"', 'mass = 1, velocity = [0, 1], components = ["y"]',
+            'unknown[0].component: found "x", along which the obstacle does not move'),
+        hit("component of a mass", 'of = "mass"\ncomponent = "x"', "mass = 1", "unknown[0].component: has no effect on one number"),
+        hit("mass that starts at 0", 'of = "mass"', "mass = 0, stiffness = 5.0", "unknown[0].start: found 0; expected a number greater than 0"),
+        hit("negative mass of an unknown", 'of = "mass"\nstart = -1.0', "mass = 1", "unknown[0].start: found -1; expected a number greater than 0"),
+        hit("springs without mass that may vanish", 'of = "stiffness"\nscale = "linear"', "mass = 0, stiffness = 5.0",
+            'unknown[0].scale: found "linear" for the stiffness of an obstacle with mass 0'),
+        hit("two unknowns of one mass", 'of = "mass"\n[[unknown]]\nof = "mass"\nname = "other"', "mass = 1",
+            'unknown[1].of: found "mass", which unknown[0] fits too'),
+        measurement("motion of an obstacle without mass", motion, 'measurement[0].obstacle: found "obstacle 1", which does not move freely'),
+        hit("motion of an obstacle and a point", 'of = "mass"', "mass = 1", "measurement[0]: found several; give one of point, on, obstacle",
+            measured=motion + "\npoint = [0, 0]"),
         unknown("unknown of nothing", 'name = "a"', "unknown[0].of: missing"),
         unknown("unknown that is not there", 'of = "yuong"', 'unknown[0].of: found "yuong"', "young"),
         unknown("unknown with a number for a name", 'of = "young"\nname = 1', "unknown[0].name: found 1"),
@@ -126,7 +149,7 @@ def fit_cases() -> list[Case]:
         measurement("measurement of nothing", 'name = "a"', "measurement[0].of: missing"),
         measurement("measurement that is none", 'of = "weight"', 'measurement[0].of: found "weight"', "displacement"),
         measurement("measurement with a number for a name", force + "\nname = 1", "measurement[0].name: found 1"),
-        measurement("displacement of nowhere", 'of = "displacement"', "measurement[0]: found neither", "point, on"),
+        measurement("displacement of nowhere", 'of = "displacement"', "measurement[0]: found none", "point, on, obstacle"),
         measurement("displacement outside of the body",
                     'of = "displacement"\npoint = [0, 9]\ncomponent = "y"\nfile = "force.csv"\nnoise = 0.1',
                     "measurement[0].point: found (0, 9)", verb="simulate", options=("--measure",)),

@@ -20,6 +20,13 @@ def rigid_body_cases() -> list[Case]:
              '{ shape = "half-space", point = [-0.6, 0], normal = [1, 0] }'), ("[contact]", "[[contact]]"))  # fmt: skip
     several = "contact[0].on: the node at (-0.5, 0, 0) is a candidate of another obstacle too, which obstacles with mass do not permit"
     return [
+        *(heavy(name, "mass = 1", *expect, at="", options=("--set", f"objective={{{objective}}}")) for name, objective, *expect in (
+            ("objective of no obstacle", 'obstacle="wall", desired={displacement=["0","0"]}', 'objective.obstacle: found "wall"', "obstacle 1"),
+            ("objective of an obstacle and a group", 'obstacle="obstacle 1", on="body", desired={displacement=["0","0"]}',
+             "objective.on: found together with obstacle"),
+            ("objective of an obstacle in a run", 'obstacle="obstacle 1", desired={run="out"}', "objective.desired: found a run, which stores no motion"))),
+        edited("objective of an obstacle without mass", "[objective]", '[objective]\nobstacle = "obstacle 1"',
+               'objective.obstacle: found "obstacle 1", which does not move freely', at=""),
         heavy("negative mass", "mass = -1.0", at + "mass: found -1.0; expected a number of at least 0"),
         heavy("mass without end", "mass = inf", at + "mass: found inf", "finite"),
         heavy("mass in words", 'mass = "heavy"', at + "mass: found", "a number"),

@@ -35,7 +35,7 @@ FULL = (
     }),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
     (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
-    *((BLOCK, {"contact__obstacle": shape | WITH_MASS}) for shape in (
+    *((BLOCK, {"contact__obstacle": shape | WITH_MASS, "objective__obstacle": "obstacle 1"}) for shape in (
         {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}, {"shape": "ball", "center": [0, -2], "radius": 1},
         {"shape": "cylinder", "point": [0, -2], "radius": 1}, {"shape": "signed-distance", "distance": "y + 1"})),
     (BLOCK, {"time": {"end": 0.6, "step": "auto", "longest": 0.06, "shortest": 1e-3}, "control__step": 0.06}),

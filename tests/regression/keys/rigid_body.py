@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys of obstacles with mass: free flight against closed forms, and forces and moments of contact by the momentum that they give."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from harness import table
-from regression.keys.runs import BLOCK, Run, Runner, near, same
+from regression.keys.runs import BLOCK, Run, Runner, near, optimize_in, same
 
 PLATE = {"name": "plate", "shape": "half-space", "point": [0.25, -0.1], "normal": [0.3, 1]}
 FAR = PLATE | {"point": [0, -100]}
@@ -114,3 +116,41 @@ def test_load_cell_without_mass(simulate: Runner) -> None:
     held = (k * (y[1:] + y[:-1]) / 2 + c * np.diff(y) / STEP)[1:]
     assert done.steps["active"].max() > 0 and y.min() < -0.01
     near(held, -found["plate.force_y"][2:], 1e-10)
+
+
+@pytest.mark.key("objective.obstacle")
+def test_objective_of_its_translation(simulate: Runner) -> None:
+    """J is the squared distance of the translation, by the trapezoidal rule, and of its last value."""
+    desired = {"displacement": ["0.2*t", "-0.1 + x"]}  # x of its centre
+    done = simulate(contact__obstacle=PLATE | {"mass": 3.0, "velocity": [0.1, 0]}, objective={"desired": desired, "obstacle": "plate",
+                    "tracking": 2.0, "gamma": 3.0, "alpha": 0.0}, **HIT)  # fmt: skip
+    found, t = probes(done), done.steps["time"]
+    square = (found["plate.displacement_x"] - 0.2 * t) ** 2 + (found["plate.displacement_y"] + 0.1 - PLATE["point"][0]) ** 2
+    J = done.manifest["objective"]
+    near(J["tracking"], 2 * STEP / 4 * (square[1:] + square[:-1]).sum(), 1e-11)
+    near(J["terminal"], 3 * square[-1], 1e-11)
+
+
+MEASURED = [{"of": of, "obstacle": "plate", "component": "y", "file": "", "column": f"plate.{of}_y", "deviation": 1.0} for of in ("displacement", "velocity")]
+GIVEN = {"mass": 3.0, "velocity": [0.1, 0.2], "stiffness": [4.0, 5.0], "damping": 0.5, "inertia": 0.7}
+SOUGHT = {"mass": 3.0, "velocity y": 0.2, "stiffness x": 4.0, "damping": 0.5, "inertia": 0.7}
+
+
+@pytest.mark.key("measurement.obstacle", "unknown.of", "unknown.component", "unknown.scale")
+def test_measured_and_unknown(simulate: Runner, tmp_path: Path) -> None:
+    """At the true values data that are its motion leave nothing; the unknowns are the scene's own numbers, on a logarithmic scale but for velocities."""
+    more = {"contact__obstacle": PLATE | GIVEN, **HIT}
+    made = simulate(**more)
+    assert made.steps["active"].max() > 0
+    file = {"file": str(made.folder / "probes.csv")}
+    unknown = [dict(zip(("of", "component"), name.split())) for name in SOUGHT]
+    plain = BLOCK.read_text()
+    scene = tmp_path / "fit.toml"
+    scene.write_text(plain[: plain.index("[control]")].replace("square.geo", str(BLOCK.parent / "square.geo")))
+    done = optimize_in(tmp_path, scene, unknown=unknown, measurement=[one | file for one in MEASURED], **more)
+    found = table(done.folder / "parameters.csv")
+    assert dict(zip(found["name"], found["value"])) == pytest.approx({f"{name} of plate": value for name, value in SOUGHT.items()}, rel=1e-14)
+    assert list(found["unit"]) == ["kg/m", "m/s", "N/m/m", "N s/m/m", "kg m²/m"]
+    assert [one["scale"] for one in done.echo["unknown"]] == ["log", "linear", "log", "log", "log"]
+    rows = table(done.folder / "measurements.csv")
+    assert abs(rows["value"]).max() > 0.01 and abs(rows["residual"]).max() < 1e-12
