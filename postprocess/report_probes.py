@@ -3,12 +3,12 @@
 
 import numpy as np
 
-from . import style
+from . import shock, style
 from .files import NotInRun
 from .report_parts import Chart, figure, line, time_axis
 from .run_folder import RunFolder
 
-UNITS = {"displacement": "m", "velocity": "m/s", "center": "m", "rotation": "rad"}
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²", "center": "m", "rotation": "rad", "rate": "rad/s"}
 PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # or per metre of depth, RunFolder.whole
 LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
 
@@ -24,8 +24,28 @@ def charts(run: RunFolder) -> list[Chart]:
         if "." in column:
             probe, quantity = column.rsplit(".", 1)
             probes.setdefault(probe, {}).setdefault(stem(quantity), []).append(column)
-    return [Chart(f"probe-{i}", probe, {name: view(run, name, columns) for name, columns in quantities.items()})
+    return [Chart(f"probe-{i}", probe, {name: view(run, name, columns) for name, columns in quantities.items()} | spectra(run, quantities))
             for i, (probe, quantities) in enumerate(probes.items(), 1)]
+
+
+def spectra(run: RunFolder, quantities: dict[str, list[str]]) -> dict[str, dict]:
+    """Makes views over frequency: Fourier's of a force and an acceleration, and shock response spectra of an acceleration."""
+    views = {}
+    for name in ("force", "acceleration"):
+        if columns := quantities.get(name):
+            times, values = run.probes["time"], np.stack([run.probes[column] for column in columns], axis=1)
+            if len(times) > 2:
+                views[f"spectrum of the {name}"] = over_frequency(*shock.spectrum(times, values), columns, f"∣Fourier integral∣ ({unit_of(run, name)} s)")
+            if len(times) > 2 and name == "acceleration":
+                views["shock response"] = over_frequency(*shock.shock_response(times, values), columns, f"largest acceleration, Q = {shock.Q:g} (m/s²)")
+    return views
+
+
+def over_frequency(frequencies: np.ndarray, values: np.ndarray, columns: list[str], title: str) -> dict:
+    """Makes a view of a spectrum's components, on logarithmic axes; components that vanish are left out."""
+    curves = [line(column.rsplit("_", 1)[-1] if len(columns) > 1 else "modulus", frequencies, part, *look)
+              for column, part, look in zip(columns, values.T, LOOKS) if part.any()]  # fmt: skip
+    return figure(curves, "frequency (Hz)", title, xaxis={"type": "log"}, yaxis={"type": "log"})
 
 
 def stem(quantity: str) -> str:

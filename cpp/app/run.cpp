@@ -73,6 +73,15 @@ void require_size(const scene::Scene& scene, const Request& request) {
         request.verb));
 }
 
+/// Throws UserError if a motion whose end is unknown is not to be simulated once.
+void require_end(const scene::Scene& scene, const Request& request) {
+  if (scene.time.until_bounce && (request.verb != "simulate" || request.accuracy))
+    throw UserError(
+        fmt::format("time.end: found \"auto\", which {} does not accept; give the end in s, such as "
+                    "that in scene.toml of a simulation",
+                    request.accuracy ? "--accuracy" : request.verb));
+}
+
 /// Throws UserError if --accuracy or --budget is used for a fit, since misfits have no error estimate.
 void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request) {
   if (request.verb == "optimize" && !scene.unknowns.empty() && (request.accuracy || request.study.budget))
@@ -93,6 +102,7 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
   drivers::print_table_warnings(drivers::series_warnings(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
+  require_end(scene, request);
   const std::filesystem::path out =
       request.out.empty() ? usual_folder(request.verb, scene.name, run_folder) : request.out;
   if (request.verb == "simulate" || request.verb == "optimize")

@@ -50,6 +50,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.relaxation_at_end = balance.relaxation_energy;
   energy_.rigid_at_end = balance.rigid_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
+  now_ = frame.step.end;
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
       touch.least_gap = now.min_gap;
@@ -176,6 +177,11 @@ std::optional<Impact> ImpactSummary::impact() const {
                                 ? "the body still approaches the obstacle at the end"
                                 : "the body did not approach the obstacle before contact";
   return impact;
+}
+
+bool ImpactSummary::bounced() const {
+  return impact_.all.occurred() && open_steps_ >= least_open && now_ - impact_.whole.end > 2 * crossing_ &&
+         (!no_restitution_reason().empty() || restitution(impact_.whole));
 }
 
 bool Impact::begins(double t, double crossing) const {

@@ -104,6 +104,10 @@ public:
   /// Not collective.
   void observe(const trajectory::Frame& frame, const StepBalance& balance, const ObstacleForces& forces);
 
+  /// Returns whether a bounce is over: the body has left the obstacle for the time in which a wave crosses it
+  /// and returns, and its restitution is known or cannot be.
+  [[nodiscard]] bool bounced() const;
+
   [[nodiscard]] const EnergyAccount& energy() const { return energy_; }
   /// Returns the effect of contact so far; nothing in a scene without contact.
   [[nodiscard]] std::optional<Impact> impact() const;
@@ -144,6 +148,7 @@ private:
   const step::Stepper& stepper_;
   std::array<bool, 3> free_{}; ///< components without clamps
   bool moving_;
+  double now_ = 0;  ///< end of the last step, s
   double crossing_; ///< time in which a wave crosses the body, s
   EnergyAccount energy_;
   Impact impact_;

@@ -56,14 +56,13 @@ Probes::Probes(const step::Stepper& stepper, const scene::Scene& scene)
   for (std::size_t i = 0, points = 0; i < probes.size(); ++i) {
     const scene::Probe& probe = probes[i];
     if (probe.point)
-      add_point(probe.name, points++);
+      add_point(probe, points++);
     if (probe.on)
-      add_group(probe.name, *probe.on, key_of(i) + ".on");
+      add_group(probe, key_of(i) + ".on");
     if (probe.body)
-      add_body(probe.name);
+      add_body(probe);
     if (probe.obstacle)
-      add_obstacle(probe.name,
-                   static_cast<std::size_t>(scene::obstacle_number(scene.contacts, *probe.obstacle)));
+      add_obstacle(probe, static_cast<std::size_t>(scene::obstacle_number(scene.contacts, *probe.obstacle)));
   }
 }
 
@@ -98,15 +97,31 @@ Probes::ProbeFunction Probes::linear(std::size_t weights, Vec Sample::* field, d
   return [=](const Sample& now) { return factor * petsc::dot(now.weights[weights], now.*field) + offset; };
 }
 
-void Probes::add_point(const std::string& probe, std::size_t number) {
-  const std::size_t first = dim_ * number;
-  add_vector(probe, "displacement",
-             [=](std::size_t c) { return [=](const Sample& now) { return now.y_at[first + c]; }; });
-  add_vector(probe, "velocity",
-             [=](std::size_t c) { return [=](const Sample& now) { return now.v_at[first + c]; }; });
+Probes::ProbeFunction Probes::acceleration(std::size_t weights) {
+  return [=](const Sample& now) {
+    const Vec w = now.weights[weights];
+    return now.v_before ? (petsc::dot(w, now.v) - petsc::dot(w, now.v_before)) / now.tau : 0;
+  };
 }
 
-void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
+void Probes::add_point(const scene::Probe& probe, std::size_t number) {
+  const std::size_t first = dim_ * number;
+  add_vector(probe.name, "displacement",
+             [=](std::size_t c) { return [=](const Sample& now) { return now.y_at[first + c]; }; });
+  add_vector(probe.name, "velocity",
+             [=](std::size_t c) { return [=](const Sample& now) { return now.v_at[first + c]; }; });
+  if (!probe.acceleration)
+    return;
+  points_accelerate_ = true;
+  add_vector(probe.name, "acceleration", [=](std::size_t c) {
+    return [=](const Sample& now) {
+      return now.v_before ? (now.v_at[first + c] - now.v_at_before[first + c]) / now.tau : 0;
+    };
+  });
+}
+
+void Probes::add_obstacle(const scene::Probe& of, std::size_t obstacle) {
+  const std::string& probe = of.name;
   add_vector(probe, "force", [=](std::size_t c) {
     return [=](const Sample& now) { return now.obstacles[obstacle].force[c]; };
   });
@@ -121,6 +136,8 @@ void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
     weights_.push_back(motion->weights(c));
   add_vector(probe, "displacement", [&](std::size_t c) { return linear(first + c, &Sample::y); });
   add_vector(probe, "velocity", [&](std::size_t c) { return linear(first + c, &Sample::v); });
+  if (of.acceleration)
+    add_vector(probe, "acceleration", [&](std::size_t c) { return acceleration(first + c); });
   for (const auto& [quantity, field] : {std::pair("rotation", &Sample::y), std::pair("rate", &Sample::v)})
     for (std::size_t c = 0; c < motion->rotations(); ++c)
       add_column(probe,
@@ -128,7 +145,8 @@ void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
                  linear(first + dim_ + c, field));
 }
 
-void Probes::add_group(const std::string& probe, const std::string& group, const std::string& key) {
+void Probes::add_group(const scene::Probe& of, const std::string& key) {
+  const std::string &probe = of.name, &group = *of.on;
   const fem::Space& space = stepper_.space();
   const petsc::Matrix L2 = fem::assemble_L2(space, group, key);
   const std::size_t first = weights_.size();
@@ -136,6 +154,8 @@ void Probes::add_group(const std::string& probe, const std::string& group, const
     weights_.push_back(step::mean(space, L2, c).weights);
   add_vector(probe, "displacement", [&](std::size_t c) { return linear(first + c, &Sample::y); });
   add_vector(probe, "velocity", [&](std::size_t c) { return linear(first + c, &Sample::v); });
+  if (of.acceleration)
+    add_vector(probe, "acceleration", [&](std::size_t c) { return acceleration(first + c); });
   if (space.mesh().group_dimension(group, key) < space.dim())
     add_reaction(probe, group, key);
 }
@@ -163,7 +183,8 @@ void Probes::add_reaction(const std::string& probe, const std::string& group, co
   add_vector(probe, "reaction", [&](std::size_t c) { return linear(first + c, &Sample::reactions); });
 }
 
-void Probes::add_body(const std::string& probe) {
+void Probes::add_body(const scene::Probe& of) {
+  const std::string& probe = of.name;
   const fem::Space& space = stepper_.space();
   const petsc::Vector places =
       field(space, [&](const double* x, double* value) { std::copy_n(x, dim_, value); });
@@ -180,10 +201,14 @@ void Probes::add_body(const std::string& probe) {
     constexpr std::size_t along = 1;
     add_column(probe, "center_y", linear(first + along, &Sample::y, 1, centre[along]));
     add_column(probe, "momentum_y", linear(first + along, &Sample::v, mass));
+    if (of.acceleration)
+      add_column(probe, "acceleration_y", acceleration(first + along));
     return;
   }
   add_vector(probe, "center", [&](std::size_t c) { return linear(first + c, &Sample::y, 1, centre[c]); });
   add_vector(probe, "momentum", [&](std::size_t c) { return linear(first + c, &Sample::v, mass); });
+  if (of.acceleration)
+    add_vector(probe, "acceleration", [&](std::size_t c) { return acceleration(first + c); });
   add_rotation(probe, centre);
 }
 
@@ -210,10 +235,21 @@ void Probes::add_rotation(const std::string& probe, const std::vector<double>& c
 
 void Probes::add_values(const trajectory::Frame& frame, const ObstacleForces& forces, Vec reactions,
                         std::vector<double>& values) const {
-  Sample now{frame.after.y(), frame.after.v(), reactions, {}, {}, forces.each(), weights_};
+  Sample now{.y = frame.after.y(),
+             .v = frame.after.v(),
+             .reactions = reactions,
+             .v_before = frame.before ? Vec(frame.before->v()) : nullptr,
+             .tau = frame.step.tau,
+             .y_at = {},
+             .v_at = {},
+             .v_at_before = {},
+             .obstacles = forces.each(),
+             .weights = weights_};
   if (sampler_) {
     now.y_at = (*sampler_)(now.y);
     now.v_at = (*sampler_)(now.v);
+    if (points_accelerate_ && now.v_before)
+      now.v_at_before = (*sampler_)(now.v_before);
   }
   for (const ProbeFunction& value : values_)
     values.push_back(value(now));

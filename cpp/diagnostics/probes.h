@@ -33,8 +33,11 @@ public:
 private:
   /// Data of a frame from which the probes' values are computed.
   struct Sample {
-    Vec y, v, reactions;            ///< displacement, velocity, forces of the clamps (null if not needed)
-    std::vector<double> y_at, v_at; ///< y and v at the points (points × dim)
+    Vec y, v, reactions;             ///< displacement, velocity, forces of the clamps (null if not needed)
+    Vec v_before = nullptr;          ///< velocity before the step; null in frame 0
+    double tau = 0;                  ///< length of the step, s
+    std::vector<double> y_at, v_at;  ///< y and v at the points (points × dim)
+    std::vector<double> v_at_before; ///< v_before at the points, if a probe at a point needs it
     const std::vector<ObstacleForce>& obstacles;
     const std::vector<petsc::Vector>& weights;
   };
@@ -43,6 +46,9 @@ private:
   /// Returns a function for the value factor · (w · field) + offset, w being the entry `weights` of weights_.
   [[nodiscard]] static ProbeFunction linear(std::size_t weights, Vec Sample::* field, double factor = 1,
                                             double offset = 0);
+  /// Returns a function for the acceleration in the step: the change of w · v over its length, w being the
+  /// entry `weights` of weights_. Zero in frame 0.
+  [[nodiscard]] static ProbeFunction acceleration(std::size_t weights);
   void add_column(const std::string& probe, const std::string& quantity, const ProbeFunction& value);
   /// Adds a value for each component c; `make(c)` returns the function that computes it.
   template <class Make>
@@ -50,11 +56,11 @@ private:
   /// Creates the sampler of all probes' points.
   void find_points(const std::vector<scene::Probe>& probes);
   /// Adds the values of a probe at a point. `number`: index of that point among all points.
-  void add_point(const std::string& probe, std::size_t number);
-  void add_obstacle(const std::string& probe, std::size_t obstacle);
-  void add_group(const std::string& probe, const std::string& group, const std::string& key);
+  void add_point(const scene::Probe& probe, std::size_t number);
+  void add_obstacle(const scene::Probe& probe, std::size_t obstacle);
+  void add_group(const scene::Probe& probe, const std::string& key);
   void add_reaction(const std::string& probe, const std::string& group, const std::string& key);
-  void add_body(const std::string& probe);
+  void add_body(const scene::Probe& probe);
   void add_rotation(const std::string& probe, const std::vector<double>& centre);
 
   const step::Stepper& stepper_;
@@ -63,7 +69,7 @@ private:
   std::vector<ProbeFunction> values_;
   std::vector<petsc::Vector> weights_;
   std::optional<fem::Sampler> sampler_;
-  bool reactions_ = false;
+  bool reactions_ = false, points_accelerate_ = false;
 };
 
 } // namespace signorini::diagnostics

@@ -36,7 +36,8 @@ MotionWriter::MotionWriter(const problem::Problem& problem, const io::OutputFold
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
   const bool reactions = probed && problem.probes->need_reactions();
-  if (output.table(scene::StoredTable::steps) || problem.scene.run.watched() || reactions) {
+  if (output.table(scene::StoredTable::steps) || problem.scene.run.watched() || reactions ||
+      problem.scene.time.until_bounce) {
     balance_.emplace(problem.stepper,
                      diagnostics::Balance::Wanted{reactions, controlled, problem.scene_loads()});
     invariants_.emplace(problem.stepper, diagnostics::body_figures(problem.stepper, problem.scene));
@@ -65,8 +66,10 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
   }
   if (pairs && output.table(scene::StoredTable::obstacles))
     open(obstacles_, "obstacles.csv", io::obstacles_header(dim));
-  if (probed)
+  if (probed) {
     open(probes_, "probes.csv", io::probes_header(problem_.probes->columns()));
+    peaks_.emplace(problem_.scene, problem_.probes->columns());
+  }
 }
 
 void MotionWriter::open_state(const io::OutputFolder& folder) {
@@ -154,6 +157,7 @@ void MotionWriter::add_rows(const trajectory::Frame& frame, const diagnostics::S
     append(*probes_, [&] {
       values_.clear();
       problem_.probes->add_values(frame, forces_, balance_ ? balance_->reactions() : nullptr, values_);
+      peaks_->observe(frame.step, values_);
       io::add_probes_row(text_, frame.step.k, time, values_);
     });
 }

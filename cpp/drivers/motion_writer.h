@@ -5,6 +5,7 @@
 #include "diagnostics/impact_summary.h"
 #include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
+#include "diagnostics/probe_peaks.h"
 #include "diagnostics/warnings.h"
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
@@ -45,6 +46,14 @@ public:
 
   /// Summary of the motion; null if the balances of its steps are not computed.
   [[nodiscard]] const diagnostics::ImpactSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
+
+  /// Whether the first bounce is over; only of scenes with time.end = "auto".
+  [[nodiscard]] bool bounced() const { return summary_ && summary_->bounced(); }
+
+  /// Peaks of accelerations and filtered forces of the probes.
+  [[nodiscard]] std::vector<diagnostics::ProbePeak> probe_peaks() const {
+    return peaks_ ? peaks_->peaks() : std::vector<diagnostics::ProbePeak>();
+  }
 
   /// Steps whose fields and contact were stored, ascending; complete after finish().
   [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
@@ -105,6 +114,7 @@ private:
   diagnostics::ContactResolution resolution_;
   diagnostics::StepWarnings step_warnings_;
   std::optional<diagnostics::ImpactSummary> summary_;
+  std::optional<diagnostics::ProbePeaks> peaks_; ///< of probes that are recorded
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
   std::optional<contact::Pressure> pressure_;
   petsc::Vector friction_{}; ///< tangential traction at the nodes; null until it is written

@@ -3,6 +3,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/machine.h"
+#include "scene/drop.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,6 +20,17 @@ std::string body_lines(const problem::Problem& problem) {
   return text;
 }
 
+namespace {
+
+/// Line on the speed of a body that is dropped; empty otherwise.
+std::string drop_line(const scene::Scene& scene) {
+  return scene.initial.drop ? fmt::format("\ndropped from {:.6g} m: touches at {:.6g} m/s",
+                                          scene.initial.drop->height, scene::fall(scene).speed)
+                            : "";
+}
+
+} // namespace
+
 std::string headline(const problem::Problem& problem) {
   const int size = ranks(problem.space.comm());
   std::string on;
@@ -27,7 +39,9 @@ std::string headline(const problem::Problem& problem) {
       on += (on.empty() ? "" : ", ") + name;
   const step::TimeGrid& grid = problem.grid;
   const std::string steps =
-      grid.equal()
+      problem.scene.time.until_bounce ? fmt::format("steps of {} s to the end of the bounce, at most {}",
+                                                    problem.scene.time.step, grid.steps())
+      : grid.equal()
           ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
           : fmt::format("steps of {:.3g} s to {:.3g} s", problem.stepper.step_lengths()->shortest_step(),
                         problem.stepper.step_lengths()->longest_step());
@@ -35,8 +49,9 @@ std::string headline(const problem::Problem& problem) {
                      "rank{}{}\n{}\neffects: {}\nsolver: {}",
                      problem.scene.name, problem.free_dofs(), trajectory::candidates(problem.stepper), steps,
                      size, size == 1 ? "" : "s",
-                     threads() == 1 ? "" : fmt::format(" of {} threads", threads()), body_lines(problem),
-                     on.empty() ? "none" : on, problem.stepper.solver().choice());
+                     threads() == 1 ? "" : fmt::format(" of {} threads", threads()),
+                     body_lines(problem) + drop_line(problem.scene), on.empty() ? "none" : on,
+                     problem.stepper.solver().choice());
 }
 
 std::vector<scene::TableWarning> series_warnings(MPI_Comm comm, const scene::Scene& scene) {
@@ -125,6 +140,7 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
     manifest.impact = summary->impact();
   }
   manifest.von_mises = recorder.von_mises();
+  manifest.probes = recorder.probe_peaks();
   manifest.stored = static_cast<int>(recorder.stored().size());
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),

@@ -13,6 +13,23 @@
 namespace signorini::drivers {
 namespace {
 
+/// Number of steps between stored frames of a bounce whose length is unknown: eight frames while a wave
+/// crosses the body.
+int steps_between_frames(const problem::Problem& problem) {
+  constexpr double frames = 8;
+  const double crossing = diagnostics::body_figures(problem.stepper, problem.scene).crossing;
+  return std::max(1, static_cast<int>(crossing / frames / problem.scene.time.step));
+}
+
+Warning not_bounced(double end) {
+  return {
+      "bounce not over",
+      fmt::format("the bounce was not over at {:.4g} s, when a perfectly elastic one would have come down "
+                  "again. For a longer motion give time.end in s",
+                  end),
+      end, end};
+}
+
 /// Simulation of a scene under its given control, with the recorders of the motion.
 class Simulation {
 public:
@@ -49,10 +66,15 @@ public:
           trajectory::integrate_choosing(problem_.stepper, problem_.initial, load_, *control_, watch);
       steps_ = problem_.steps();
     } else {
-      steps_ = trajectory::integrate(problem_.stepper, problem_.grid, problem_.initial, load_, watch);
+      steps_ = trajectory::integrate(problem_.stepper, problem_.grid, problem_.initial, load_, watch,
+                                     trajectory::Stops::obeyed, [this] { return bounced(); });
+      if (bounced())
+        problem_.grid = problem_.grid.first(steps_);
     }
   }
 
+  /// Whether the motion ended with its bounce.
+  [[nodiscard]] bool bounced() const { return problem_.scene.time.until_bounce && recorder_->bounced(); }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] bool complete() const { return problem_.grid.complete() && steps_ == problem_.steps(); }
   [[nodiscard]] MotionWriter& recorder() { return *recorder_; }
@@ -66,6 +88,8 @@ public:
     if (m.lengths)
       m.lengths->rejected = control_->rejected();
     add_watched(m, *recorder_, problem_.scene.run, console);
+    if (problem_.scene.time.until_bounce && complete() && !bounced())
+      add_warning(m, not_bounced(problem_.stepper.end()), console);
     if (objective_ && complete()) {
       m.objective = objective_->value();
       add_warning(m, problem::desired_run_spacing_warning(problem_), console);
@@ -113,8 +137,11 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (options.measure)
     require_measurable(comm, scene, out, options.replace);
   Timers timers;
+  scene::Scene now = scene; // with time.end = "auto" the motion sets its end
   problem::Problem problem(std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers, meshing),
-                           scene, problem::simulation_needs(scene), timers);
+                           now, problem::simulation_needs(scene), timers);
+  if (scene.time.until_bounce && scene.output.every == 0)
+    now.output.every = steps_between_frames(problem);
   console.line(headline(problem));
 
   Simulation simulation(problem, folder, options.measure);
@@ -124,6 +151,12 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
       (options.complete_only && !complete)) // no result that could replace an earlier one
     throw Interrupted();
   simulation.recorder().finish();
+  if (scene.time.until_bounce) {
+    now.time.steps = simulation.steps();
+    now.time.end = now.time.steps * now.time.step;
+    written.time = now.time;
+    written.output.every = now.output.every;
+  }
   folder.write("scene.toml", scene::echo(written, problem.space.dim()));
   io::Manifest m = simulation.described(console);
   m.accuracy = options.accuracy;
@@ -138,7 +171,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (!simulation.unknown().empty())
     console.line("J could not be evaluated: " + simulation.unknown());
   console.line(
-      fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
+      fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, now, timers, folder.bytes())));
   if (simulation.data() && complete) // before the results, whose presence implies that the data are written
     for (const std::string& line : simulation.data()->write(options.seed))
       console.line(line);

@@ -147,6 +147,22 @@ void add_energy(const diagnostics::EnergyAccount& energy, const Body& body, std:
   lines.push_back(std::move(text));
 }
 
+/// Line on a peak of a probe, its acceleration also in units of standard gravity g.
+std::string peak_line(const diagnostics::ProbePeak& one, const Body& body) {
+  constexpr double standard_gravity = 9.80665; // m/s²
+  const bool acceleration = one.quantity == "acceleration";
+  const auto text = [&](const diagnostics::Peak& peak) {
+    return acceleration ? fmt::format("{:.4g} m/s² ({:.3g} g) at {:.6g} s", peak.value,
+                                      peak.value / standard_gravity, peak.time)
+                        : fmt::format("{:.4g} N{} at {:.6g} s", peak.value, body.per_depth, peak.time);
+  };
+  std::string line =
+      fmt::format("probe \"{}\": peak {} {} (mean of two steps)", one.probe, one.quantity, text(one.mean));
+  if (one.channel_class)
+    line += fmt::format(", with CFC {:.6g} {}", *one.channel_class, text(one.filtered));
+  return line;
+}
+
 } // namespace
 
 std::vector<std::string> summary_lines(const io::Manifest& manifest) {
@@ -155,6 +171,8 @@ std::vector<std::string> summary_lines(const io::Manifest& manifest) {
     add_impact(*manifest.impact, manifest.body, lines);
   if (manifest.energy)
     add_energy(*manifest.energy, manifest.body, lines);
+  for (const diagnostics::ProbePeak& one : manifest.probes)
+    lines.push_back(peak_line(one, manifest.body));
   if (manifest.von_mises)
     lines.push_back(fmt::format(
         "largest stored von Mises stress: {:.4g} Pa in the cell at {} m, {:.6g} s{}; {:.4g} Pa recovered "

@@ -163,9 +163,9 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points, const st
   const auto topology = mesh.topology();
   petsc::Matrix one;
   check(MatCreate(comm_, one.put()));
-  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()),
-                    cellwise ? topology->index_map(dim_)->size_local() : space.owned_nodes(), PETSC_DETERMINE,
-                    PETSC_DETERMINE));
+  const PetscInt columns_here = cellwise ? topology->index_map(dim_)->size_local() : space.layout().nodes();
+  check(
+      MatSetSizes(one, static_cast<PetscInt>(mine_.size()), columns_here, PETSC_DETERMINE, PETSC_DETERMINE));
   check(MatSetType(one, MATAIJ));
   check(MatSetUp(one));
   PetscInt row = 0;

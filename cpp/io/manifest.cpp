@@ -35,6 +35,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"contact", !scene.contacts.empty()},
       {"friction", scene.frictional()},
       {"rigid body", scene.rigid()},
+      {"drop", scene.initial.drop.has_value()},
       {"static start", scene.initial.equilibrium},
       {"steps of varying length", scene.time.automatic()},
       {"contact-stabilized", !scene.contacts.empty() && scheme == scene::ContactScheme::contact_stabilized},
@@ -332,6 +333,15 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
     json["impact"] = impact_json(*m.impact, m.dim, scene.frictional());
   if (m.von_mises)
     json["largest_von_mises"] = stress_json(m);
+  for (const diagnostics::ProbePeak& one : m.probes) {
+    ordered_json peak{
+        {"name", one.probe}, {"quantity", one.quantity}, {"peak", one.mean.value}, {"time", one.mean.time}};
+    if (one.channel_class)
+      peak.update({{"cfc", *one.channel_class},
+                   {"filtered_peak", one.filtered.value},
+                   {"filtered_time", one.filtered.time}});
+    json["probe_peaks"].push_back(std::move(peak));
+  }
   if (m.energy)
     json["energy"] = energy_json(*m.energy, StepsColumns::of(scene, false));
   for (const diagnostics::Invariants::Defect& defect : m.invariants)

@@ -6,6 +6,7 @@
 #include "diagnostics/impact_summary.h"
 #include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
+#include "diagnostics/probe_peaks.h"
 #include "fem/deformation.h"
 #include "io/fit_tables.h"
 #include "scene/scene.h"
@@ -84,6 +85,7 @@ struct Manifest {
   std::optional<diagnostics::EnergyAccount> energy; ///< energy of the stored motion; absent if not computed
   std::optional<diagnostics::Impact> impact;        ///< absent if not computed, or in a scene without contact
   std::optional<diagnostics::LargestStress::Peak> von_mises; ///< absent if no stress is stored
+  std::vector<diagnostics::ProbePeak> probes;                ///< peaks of accelerations and filtered forces
   std::vector<diagnostics::Invariants::Defect> invariants;   ///< largest defect of each law, if monitored
   std::vector<Warning> warnings;                             ///< warnings on the stored motion
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;

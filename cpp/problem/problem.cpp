@@ -227,7 +227,7 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
                       })),
       stepper(timed(t, "solver", [&] { return step::Stepper(space, operators, s, needs); })),
       grid(stepper.step_lengths() ? step::TimeGrid(*stepper.step_lengths()) : step::TimeGrid(s.time)),
-      initial(trajectory::initial_state(stepper, s.initial)) {
+      initial(trajectory::initial_state(stepper, s)) {
   if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
   if (step::SceneLoad::acts(s))

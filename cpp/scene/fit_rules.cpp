@@ -244,6 +244,12 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
             fmt::format("found \"{}\" with initial.static, whose equilibrium would depend on the unknown; "
                         "remove initial.static",
                         name(unknown.of)));
+  using enum Parameter;
+  const bool geometry = unknown.of >= position && unknown.of <= radius;
+  if (scene.initial.drop && (geometry || unknown.of == gravity || unknown.of == displacement))
+    in.fail("of", fmt::format("found \"{}\" with initial.drop, whose start would depend on the unknown; give "
+                              "initial.velocity in place of the drop",
+                              name(unknown.of)));
   require_model(in, unknown, scene);
   const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
                         unknown.of == Parameter::angle;

@@ -109,7 +109,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.name = file.stem().string();
   scene.solver.memory = machine_memory() / 2;
   schema::read(in, scene);
-  if (scene.output.every == 0 && !scene.time.automatic())
+  if (scene.output.every == 0 && !scene.time.automatic() && !scene.time.until_bounce)
     scene.output.every = Output::automatic(scene.time.steps);
   if (series)
     scene.digest_of_series = series->text();
@@ -213,7 +213,8 @@ std::string echo(const Scene& scene, int dim) {
   if (std::ranges::all_of(whole.clamps, [](const Clamp& clamp) { return vanishes(*clamp.value); })) {
     if (!whole.initial.equilibrium)
       fill(whole.initial.displacement, still);
-    fill(whole.initial.velocity, still);
+    if (!whole.initial.drop)
+      fill(whole.initial.velocity, still);
   }
   if (whole.control) {
     fill(whole.control->components, components(dim));

@@ -22,6 +22,7 @@ struct Time {
   double tolerance = 1e-3;                            ///< relative error allowed to steps of varying length
   StepQuantity quantity = StepQuantity::displacement; ///< quantity whose error `tolerance` limits
   std::optional<double> longest, shortest;            ///< bounds on the length of varying steps, s
+  bool until_bounce = false; ///< end "auto": the motion ends after the bounce, at `end` at the latest
 
   static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
   static constexpr int usual_longest = 8;        ///< the default of `longest` is end / usual_longest
@@ -126,10 +127,16 @@ struct Load {
   std::vector<PointForce> points;
 };
 
+/// Table initial.drop: the body is dropped and starts as it meets an obstacle.
+struct Drop {
+  double height = 0; ///< of the free fall, m
+};
+
 /// Table [initial]. Absent fields are zero except where moving clamps prescribe them.
 struct Initial {
   std::optional<Components> displacement; ///< m, as expressions in x, y, z
   std::optional<Components> velocity;     ///< m/s, as expressions in x, y, z
+  std::optional<Drop> drop;               ///< in place of `velocity`
   bool equilibrium = false; ///< whether the displacement is that of static equilibrium without friction
 };
 
@@ -267,6 +274,14 @@ struct Exact {
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
+/// Table output.probe.filter.
+struct ChannelFilter {
+  double cfc = 0; ///< channel frequency class of SAE J211, Hz
+
+  /// Returns the longest distance of samples, s: SAE J211 asks for ten in a period of the class.
+  [[nodiscard]] double longest_sampling() const { return 1 / (10 * cfc); }
+};
+
 /// One table [[output.probe]]: a point, group or obstacle, or the whole body, whose quantities are written
 /// over time. Exactly one member besides the name is set.
 struct Probe {
@@ -275,6 +290,8 @@ struct Probe {
   std::optional<std::string> on;            ///< physical group of a part of the body or of a surface
   std::optional<std::string> obstacle;      ///< name of an obstacle
   std::optional<bool> body;                 ///< true: the whole body
+  bool acceleration = false;                ///< whether its acceleration is recorded too
+  std::optional<ChannelFilter> filter;      ///< of the peaks of acceleration and force
 };
 
 /// Table [output].

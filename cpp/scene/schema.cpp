@@ -56,7 +56,10 @@ Keys<Mesh> keys_of(Of<Mesh>) {
 
 Keys<Time> keys_of(Of<Time>) {
   return {
-      required("end", &Time::end, Number{above_zero}, "s", "end time of the motion, which starts at 0"),
+      required(
+          "end", &Time::end, NumberOrAuto{{above_zero}}, "s",
+          "end time of the motion, which starts at 0. `\"auto\"`, only for `simulate` of a drop: until its "
+          "restitution is decided, at the latest when a perfectly elastic bounce would have come down"),
       required(
           "step", &Time::step, NumberOrAuto{{above_zero}}, "s",
           "length of the time steps, which divides `time.end`; `\"auto\"`: variable lengths, chosen by an "
@@ -380,12 +383,21 @@ Keys<Load> keys_of(Of<Load>) {
           sections("point", &Load::points, {.effect = "point force"})};
 }
 
+Keys<Drop> keys_of(Of<Drop>) {
+  return {
+      required("height", &Drop::height, Number{above_zero}, "m",
+               "height from which the body is dropped. It starts with the speed of a free fall from there by "
+               "`load.gravity`, moved along gravity until it touches an obstacle. Not with `velocity`",
+               {.effect = "drop"})};
+}
+
 Keys<Initial> keys_of(Of<Initial>) {
   return {
       value("displacement", &Initial::displacement, Expressions{.time = false}, "m", "",
             {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial displacement"}),
       value("velocity", &Initial::velocity, Expressions{.time = false}, "m/s", "",
             {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial velocity"}),
+      inline_table("drop", &Initial::drop, {.effect = "drop"}),
       value("static", &Initial::equilibrium, Flag{}, "",
             "`true`: the displacement is that of the equilibrium without friction under the loads of t = 0. "
             "Along directions in which nothing holds the body it is that of a body which the loads "
@@ -572,7 +584,8 @@ Keys<Measurement> keys_of(Of<Measurement>) {
           "of", &Measurement::of, Choice<Quantity>{}, "",
           "measured quantity; each measurement is a table `[[measurement]]`. It is a motion of a point, a "
           "group or an obstacle with mass, the resultant force of an obstacle, or its impulse so far. With "
-          "the contact-implicit scheme the force is the mean of two steps. Contact times, the time from 1 to 99 % of the impulse and the sustained "
+          "the contact-implicit scheme the force is the mean of two steps. Contact times, the time from 1 to "
+          "99 % of the impulse and the sustained "
           "peak are compared, but not fitted"),
       value("name", &Measurement::name, Text{"text"}, "", "name in tables",
             {.otherwise = "`\"measurement 1\"` … by position in the scene"}),
@@ -688,20 +701,32 @@ Keys<Run> keys_of(Of<Run>) {
                 "evaluates")};
 }
 
+Keys<ChannelFilter> keys_of(Of<ChannelFilter>) {
+  return {
+      required("cfc", &ChannelFilter::cfc, Number{above_zero}, "",
+               "channel frequency class of SAE J211, such as 60, 180, 600 or 1000, by which acceleration and "
+               "force of an obstacle are filtered before their peaks are taken")};
+}
+
 Keys<Probe> keys_of(Of<Probe>) {
-  return {value("name", &Probe::name, Text{"text"}, "", "name of the probe's columns in `probes.csv`",
-                {.otherwise = "`\"probe 1\"`, `\"probe 2\"` … by position in the scene"}),
-          value("point", &Probe::point, Numbers{}, "m",
-                "point of the undeformed body where displacement and velocity are recorded; each probe is a "
-                "table `[[output.probe]]`"),
-          value("on", &Probe::on, Text{}, "",
-                "in place of `point`: group of the body or of the boundary whose mean displacement and "
-                "velocity are recorded. On a boundary, the reaction of clamped nodes is recorded too"),
-          value("obstacle", &Probe::obstacle, Text{"name of an obstacle"}, "",
-                "in place of `point`: obstacle whose force on the body and impulse so far are recorded"),
-          value("body", &Probe::body, Flag{}, "",
-                "in place of `point`, `true`: centre of mass, momentum and mean rotation (rad) of the body "
-                "are recorded")};
+  return {
+      value("name", &Probe::name, Text{"text"}, "", "name of the probe's columns in `probes.csv`",
+            {.otherwise = "`\"probe 1\"`, `\"probe 2\"` … by position in the scene"}),
+      value("point", &Probe::point, Numbers{}, "m",
+            "point of the undeformed body where displacement and velocity are recorded; each probe is a "
+            "table `[[output.probe]]`"),
+      value("on", &Probe::on, Text{}, "",
+            "in place of `point`: group of the body or of the boundary whose mean displacement and "
+            "velocity are recorded. On a boundary, the reaction of clamped nodes is recorded too"),
+      value("obstacle", &Probe::obstacle, Text{"name of an obstacle"}, "",
+            "in place of `point`: obstacle whose force on the body and impulse so far are recorded"),
+      value("body", &Probe::body, Flag{}, "",
+            "in place of `point`, `true`: centre of mass, momentum and mean rotation (rad) of the body "
+            "are recorded"),
+      value("acceleration", &Probe::acceleration, Flag{}, "",
+            "`true`: the acceleration is recorded too, as the change of the velocity in each step, and its "
+            "peak is reported. Of an obstacle only if it has mass"),
+      inline_table("filter", &Probe::filter, {})};
 }
 
 Keys<Output> keys_of(Of<Output>) {

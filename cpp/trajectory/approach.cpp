@@ -163,7 +163,7 @@ public:
     const auto m = static_cast<std::size_t>(stepper.pairs()->count());
     for (const petsc::Vector& motion : rigid_.basis())
       rows_.apply_transpose(motion, motions_.emplace_back(m));
-    const step::State initial = initial_state(stepper, scene.initial);
+    const step::State initial = initial_state(stepper, scene);
     rows_.apply_transpose(initial.y(), position_ = std::vector<double>(m));
     velocity_ = along(rigid_.coefficients(initial.v()));
     acceleration_.resize(m);

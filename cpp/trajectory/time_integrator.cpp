@@ -4,6 +4,7 @@
 #include "base/signals.h"
 #include "base/timers.h"
 #include "contact/pairs.h"
+#include "trajectory/drop.h"
 #include "trajectory/step_control.h"
 #include <algorithm>
 #include <array>
@@ -126,7 +127,7 @@ petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double
 
 } // namespace
 
-step::State initial_state(const step::Stepper& stepper, const scene::Initial& scene) {
+step::State initial_state(const step::Stepper& stepper, const scene::Scene& scene) {
   step::State start = stepper.state();
   const Vec y = start.y(), v = start.v();
   petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
@@ -153,11 +154,13 @@ step::State initial_state(const step::Stepper& stepper, const scene::Initial& sc
     stepper.space().interpolate({*field, key, false}, 0, x);
     return hold_clamped(stepper, x, held, tolerance, scale, key);
   };
-  given(scene.displacement, "initial.displacement", y_held, rounding, 0, y);
-  const petsc::Vector written = given(scene.velocity, "initial.velocity", v_held,
+  given(scene.initial.displacement, "initial.displacement", y_held, rounding, 0, y);
+  const petsc::Vector written = given(scene.initial.velocity, "initial.velocity", v_held,
                                       stepper.moving_clamps() ? differences : rounding, later, v);
   if (stepper.moving_clamps())
     stepper.moving_clamps()->copy(written, v);
+  if (scene.initial.drop)
+    drop(stepper, scene, y, v);
   if (stepper.velocity_extrapolation())
     stepper.extrapolate(v, stepper.space().vector());
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
@@ -179,7 +182,8 @@ void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState
 
 int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, TimeIntegrator& integrator,
                    Stops stops, const std::function<contact::ContactState&(int k)>& contact,
-                   const step::NodalForce& acting, const StepObserver& watch) {
+                   const step::NodalForce& acting, const StepObserver& watch,
+                   const std::function<bool()>& ended) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
   set_initial_gaps(stepper, integrator.now().state.y(), contact(0));
@@ -189,7 +193,7 @@ int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, Tim
   while (!last) {
     const step::TimeStep step = grid.step(++k);
     integrator.advance(step);
-    last = k == grid.steps() || stopped();
+    last = k == grid.steps() || stopped() || (ended && ended());
     watch({step, &integrator.before(), acting, integrator.now().state, contact(k), last});
   }
   return k;
@@ -218,11 +222,12 @@ struct Rolling {
 } // namespace
 
 int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const step::State& initial,
-              const step::ForceAtStep& load, const StepObserver& watch, Stops stops) {
+              const step::ForceAtStep& load, const StepObserver& watch, Stops stops,
+              const std::function<bool()>& ended) {
   Rolling motion(stepper, initial, load);
   return integrate_with(
       stepper, grid, motion.integrator, stops,
-      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting, watch);
+      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting, watch, ended);
 }
 
 step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::State& initial,

@@ -83,11 +83,11 @@ private:
   step::State before_;
 };
 
-/// Returns the state at t_0 from the scene's initial fields, with nodes moved out of obstacles if the scene
-/// asks for it. A field that is not given is zero, except for the values that moving clamps prescribe.
-/// Collective. Throws UserError if a field differs from the clamps' motion at t = 0 or a candidate starts
-/// inside an obstacle.
-[[nodiscard]] step::State initial_state(const step::Stepper& stepper, const scene::Initial& scene);
+/// Returns the state at t_0 from the scene's initial fields, with the body dropped or nodes moved out of
+/// obstacles if the scene asks for it. A field that is not given is zero, except for the values that moving
+/// clamps prescribe. Collective. Throws UserError if a field differs from the clamps' motion at t = 0 or a
+/// candidate starts inside an obstacle.
+[[nodiscard]] step::State initial_state(const step::Stepper& stepper, const scene::Scene& scene);
 
 /// One step of a motion as observers receive it: step k and the states around it. In frame 0, the initial
 /// state, there is no step, and `before` and the vectors of `load` are null. Valid only during the observer's
@@ -115,10 +115,12 @@ using StepObserver = std::function<void(const Frame&)>;
 enum class Stops { obeyed, ignored };
 
 /// Makes the steps of `grid` from the state `initial` under `load` and passes each frame to `watch`. Stores
-/// only the last two states. Ends early if a stop was requested and `stops` is obeyed. Returns the number of
-/// steps made. Collective. Throws SolverFailure naming the step.
+/// only the last two states. Ends early if a stop was requested and `stops` is obeyed, and with the step
+/// after those for which `ended`, unless null, returns true. Returns the number of steps made. Collective.
+/// Throws SolverFailure naming the step.
 int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const step::State& initial,
-              const step::ForceAtStep& load, const StepObserver& watch, Stops stops = Stops::obeyed);
+              const step::ForceAtStep& load, const StepObserver& watch, Stops stops = Stops::obeyed,
+              const std::function<bool()>& ended = {});
 
 class StepControl;
 
@@ -134,7 +136,8 @@ class StepControl;
 /// number of steps made.
 int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, TimeIntegrator& integrator,
                    Stops stops, const std::function<contact::ContactState&(int k)>& contact,
-                   const step::NodalForce& acting, const StepObserver& watch);
+                   const step::NodalForce& acting, const StepObserver& watch,
+                   const std::function<bool()>& ended = {});
 
 /// Returns the number of candidates of a run, 0 without contact.
 inline int candidates(const step::Stepper& stepper) { return stepper.pairs() ? stepper.pairs()->count() : 0; }

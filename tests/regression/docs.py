@@ -71,7 +71,7 @@ RUNS = {
     "ball": ("simulate", BALL, *SHORT, *FIELDS, *probes("top", "[0, 0, -5]")),
     "rough": ("simulate", BALL, *SHORT, *sets(contact__friction=0.3, output__fields=f'[{EVERY},"friction"]', output__every=50)),
     "plate": ("simulate", BLOCK, *sets(contact__obstacle__mass=1.0, contact__obstacle__inertia=1.0,
-                                       output__probe='[{name="plate", obstacle="obstacle 1"}]')),  # fmt: skip
+                                       output__probe='[{name="plate", obstacle="obstacle 1", acceleration=true, filter={cfc=4}}]')),  # fmt: skip
     "plate-in-space": ("simulate", BALL, *SHORT, *sets(contact__obstacle__mass=1e3, contact__obstacle__inertia="[1e5, 1e5, 1e5]",
                                                        output__probe='[{name="plate", obstacle="obstacle 1"}]')),  # fmt: skip
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),

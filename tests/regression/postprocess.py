@@ -15,7 +15,7 @@ import as_package  # noqa: F401
 import numpy as np
 import pytest
 from harness import SIGNORINI, SOURCE, signorini, stored, table
-from signorini.post import animation, report_compare, report_run
+from signorini.post import animation, report_compare, report_run, shock
 from signorini.post.boundary import arc_of
 from signorini.post.files import Table, Unreadable
 from signorini.post.mesh import Mesh
@@ -456,3 +456,39 @@ def test_plot_is_refused_at_once(fits: Fits, run: str, words: tuple[str, ...], t
     done = plot(out, *words)
     assert done.returncode == 2 and not done.stdout and done.stderr.count("\n") == 1
     assert done.stderr.startswith(f"signorini plot: {text.format(out)}")
+
+
+def test_spectrum() -> None:
+    """The Fourier integral of a decaying exponential, and Parseval's identity, also of uneven samples."""
+    t = np.linspace(0, 1, 20001)
+    f, modulus = shock.spectrum(t, np.exp(-50 * t)[:, None])
+    low = f < 100
+    assert np.allclose(modulus[low, 0], 1 / np.hypot(50, 2 * np.pi * f[low]), rtol=3e-3)
+    uneven = np.sort(np.concatenate([t[::2], t[1:1000:2]]))
+    again, same = shock.spectrum(uneven, np.exp(-50 * uneven)[:, None])
+    assert np.allclose(np.interp(f[low], again, same[:, 0]), modulus[low, 0], rtol=3e-3)
+
+
+@pytest.mark.parametrize("natural", (20.0, 80.0, 400.0))
+def test_shock_response(natural: float) -> None:
+    """Of half a sine of 10 ms, against the oscillator's equation solved in short steps by the exact flow of linear excitations."""
+    t = np.linspace(0, 0.05, 2501)
+    a = np.where(t < 0.01, np.sin(np.pi * t / 0.01), 0)
+    f, largest = shock.shock_response(t, np.stack([a, -2 * a], axis=1), per_octave=48)
+    assert np.allclose(largest[:, 1], 2 * largest[:, 0])
+    omega, zeta = 2 * np.pi * natural, 1 / (2 * shock.Q)
+
+    def rate(state: np.ndarray, base: float) -> np.ndarray:  # relative displacement and velocity
+        return np.array([state[1], -base - 2 * zeta * omega * state[1] - omega**2 * state[0]])
+
+    state, most, h = np.zeros(2), 0.0, 1e-5
+    for k in range(int(0.1 / h)):
+        base = [np.sin(np.pi * x / 0.01) if x < 0.01 else 0.0 for x in (k * h, (k + 0.5) * h, (k + 1) * h)]
+        k1 = rate(state, base[0])
+        k2 = rate(state + h / 2 * k1, base[1])
+        k3 = rate(state + h / 2 * k2, base[1])
+        k4 = rate(state + h * k3, base[2])
+        state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        most = max(most, abs(2 * zeta * omega * state[1] + omega**2 * state[0]))  # absolute acceleration
+    assert np.interp(natural, f, largest[:, 0]) == pytest.approx(most, rel=0.01)
+    assert 1.5 < largest[:, 0].max() < 1.77 and largest[-1, 0] == pytest.approx(1, abs=0.05)

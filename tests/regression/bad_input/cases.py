@@ -2,6 +2,7 @@
 """All bad inputs, theme by theme."""
 
 from case import Case
+from drop_cases import drop_cases
 from field_cases import effect_cases, expression_cases, material_cases, time_series_cases
 from fit_cases import fit_cases
 from folder_cases import desired_run_cases, first_guess_cases, folder_cases
@@ -30,6 +31,7 @@ def all_cases() -> list[Case]:
         *obstacle_cases(),
         *friction_cases(),
         *rigid_body_cases(),
+        *drop_cases(),
         *expression_cases(),
         *time_series_cases(),
         *effect_cases(),

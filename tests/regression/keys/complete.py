@@ -33,6 +33,8 @@ FULL = (
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
         "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
+    (BLOCK, {"initial": {"drop": {"height": 0.1}}, "load": {"gravity": [0, -1]},
+             "output__probe": [{"body": True, "acceleration": True}, {"obstacle": "obstacle 1", "filter": {"cfc": 4.0}}]}),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
     (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
     *((BLOCK, {"contact__obstacle": shape | WITH_MASS, "objective__obstacle": "obstacle 1"}) for shape in (
@@ -137,7 +139,7 @@ def default(tmp_path_factory: pytest.TempPathFactory) -> Run:
                                    {"on": "rest", "stiffness": {"normal": 1.0}, "damping": {"normal": 1.0}}], material__rayleigh={},
                        material__prony=[{"k": 0.1, "time": 1.0}, {"g": 0.1, "time": 1.0}], initial__velocity=["0", "0"],
                        contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
-                       measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
+                       measurement=[{"of": "force", "component": "y", "file": "none.csv"}], output__probe=[{"body": True}])  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -177,7 +179,7 @@ def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, c
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
             own = chosen if name in ("time.tolerance", "time.quantity") else default
-            path = re.sub("^(clamp|measurement|foundation|material[.]prony)", r"\1.0", name)
+            path = re.sub("^(clamp|measurement|foundation|material[.]prony|output[.]probe)", r"\1.0", name)
             # Each branch has a fraction: g has its default in the first branch, k in the second one. So have foundations.
             path = re.sub(r"foundation\.0(\.\w+\.tangential)", r"foundation.1\1", path.replace("prony.0.k", "prony.1.k"))
             echoed = get(own.echo, path.split("."))

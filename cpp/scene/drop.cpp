@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/drop.h"
+#include "scene/expression.h"
+#include <array>
+#include <cmath>
+
+namespace signorini::scene {
+
+Fall fall(const Scene& scene) {
+  const Components& gravity = scene.load.value().gravity.value();
+  Fall fall{.direction = std::vector<double>(gravity.size())};
+  const std::array<double, 3> origin{};
+  Field(gravity, "load.gravity", true).evaluate(origin.data(), 0, fall.direction.data());
+  double squares = 0;
+  for (const double component : fall.direction)
+    squares += component * component;
+  fall.acceleration = std::sqrt(squares);
+  for (double& component : fall.direction)
+    component /= fall.acceleration;
+  fall.speed = std::sqrt(2 * fall.acceleration * scene.initial.drop.value().height);
+  return fall;
+}
+
+} // namespace signorini::scene
