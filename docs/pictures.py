@@ -29,6 +29,7 @@ VERBS = {
     "half-disc": ["optimize", "--set", "optimizer.max_iterations=60"],
     "incline-hold": ["optimize"],
     "slider": ["optimize"],
+    "throw": ["optimize"],
 }
 WIDTH = 560  # pixels
 

@@ -10,6 +10,7 @@ from .run_folder import RunFolder
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²", "center": "m", "rotation": "rad", "rate": "rad/s"}
 PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # or per metre of depth, RunFolder.whole
+ROUNDING = 1e-9  # of the largest component
 LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
 
 
@@ -42,9 +43,9 @@ def spectra(run: RunFolder, quantities: dict[str, list[str]]) -> dict[str, dict]
 
 
 def over_frequency(frequencies: np.ndarray, values: np.ndarray, columns: list[str], title: str) -> dict:
-    """Makes a view of a spectrum's components, on logarithmic axes; components that vanish are left out."""
+    """Makes a view of a spectrum's components, on logarithmic axes; components that vanish up to rounding are left out."""
     curves = [line(column.rsplit("_", 1)[-1] if len(columns) > 1 else "modulus", frequencies, part, *look)
-              for column, part, look in zip(columns, values.T, LOOKS) if part.any()]  # fmt: skip
+              for column, part, look in zip(columns, values.T, LOOKS) if part.max() > ROUNDING * values.max()]  # fmt: skip
     return figure(curves, "frequency (Hz)", title, xaxis={"type": "log"}, yaxis={"type": "log"})
 
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/rigid_body.h"
+#include "base/collective.h"
 #include "base/overloads.h"
 #include <algorithm>
 
@@ -104,6 +105,30 @@ void RigidMotion::append(const double* x, std::span<const double> direction,
                                      arm[0] * e[1] - arm[1] * e[0]};
   for (std::size_t c = 0; c < rotation_.size(); ++c)
     add(rotation_[c], moment[space_.dim() == 2 ? 2 : c]);
+}
+
+RigidMotion::Place RigidMotion::place(Vec y) const {
+  Place place;
+  if (space_.layout().owns_virtual_nodes()) {
+    const petsc::ReadArray values(y);
+    const auto value = [&](const Dof& at) {
+      return values[static_cast<std::size_t>(at.dof - space_.first_dof())];
+    };
+    std::ranges::transform(translation_, place.translation.begin(), value);
+    for (std::size_t c = 0; c < rotations(); ++c)
+      place.rotation[space_.dim() == 2 ? 2 : c] = value(rotation_[c]);
+  }
+  MPI_Bcast(&place, sizeof(Place) / sizeof(double), MPI_DOUBLE, ranks(space_.comm()) - 1, space_.comm());
+  return place;
+}
+
+std::array<double, 3> RigidMotion::displacement(const Place& at, const double* x) const {
+  const std::array<double, 3>& turned = at.rotation;
+  const std::array<double, 3> arm{x[0] - center_[0], x[1] - center_[1], x[2] - center_[2]};
+  std::array<double, 3> moved = at.translation;
+  for (std::size_t c = 0; c < 3; ++c)
+    moved[c] += turned[(c + 1) % 3] * arm[(c + 2) % 3] - turned[(c + 2) % 3] * arm[(c + 1) % 3];
+  return moved;
 }
 
 petsc::Vector RigidMotion::weights(std::size_t c) const {

@@ -36,6 +36,15 @@ public:
   /// Vector of V whose product with a displacement is component c of the translation or, from dim on, of the
   /// rotation. Collective.
   [[nodiscard]] petsc::Vector weights(std::size_t c) const;
+  /// Translation (m) and rotation (rad) of an obstacle at one time.
+  struct Place {
+    std::array<double, 3> translation{}, rotation{};
+  };
+  /// Returns the place in a displacement y. Collective.
+  [[nodiscard]] Place place(Vec y) const;
+  /// Returns the displacement q + θ × (x − x_c) of the obstacle's point x (3, m).
+  [[nodiscard]] std::array<double, 3> displacement(const Place& at, const double* x) const;
+
   /// Centre of mass of the obstacle where it starts, m.
   [[nodiscard]] const std::array<double, 3>& center() const { return center_; }
   /// Sets the translation of the obstacle in a vector of V to `value` (dim), its free components alone. Not

@@ -97,6 +97,14 @@ void Plausibility::check_contact(Vec y, double t) {
       axis_ = {there.depth, t, there.x, t};
   pairs.rows().gap(pairs.psi(t, *psi_), y, gaps_);
   const auto dim = static_cast<std::size_t>(pairs.dim());
+  std::vector<contact::RigidMotion::Place> moved_by_mass(static_cast<std::size_t>(pairs.obstacle_count()));
+  for (int i = 0; i < pairs.obstacle_count(); ++i)
+    if (const contact::RigidMotion* rigid = pairs.rigid(i)) {
+      contact::RigidMotion::Place& place = moved_by_mass[static_cast<std::size_t>(i)] = rigid->place(y);
+      if (const double turned = std::hypot(place.rotation[0], place.rotation[1], place.rotation[2]);
+          turned > obstacle_turn_.value)
+        obstacle_turn_ = {turned, t, rigid->center(), t};
+    }
   Row slip{}, gap{};
   {
     const petsc::ReadArray values(y);
@@ -109,14 +117,19 @@ void Plausibility::check_contact(Vec y, double t) {
       const auto candidate = static_cast<std::size_t>(i);
       const double* x = &pairs.points()[3 * candidate];
       const double* nu = &pairs.normals()[dim * candidate];
-      std::array<double, 3> place{x[0], x[1], x[2]};
-      double square = 0;
-      for (std::size_t c = 0; c < dim; ++c) {
-        place[c] += moved[c];
-        square += moved[c] * moved[c];
+      std::array<double, 3> place{x[0], x[1], x[2]}, way{}; // relative to an obstacle with mass
+      std::copy_n(moved, dim, way.begin());
+      const auto number = static_cast<std::size_t>(pairs.obstacles()[candidate]);
+      if (const contact::RigidMotion* rigid = pairs.rigid(static_cast<int>(number))) {
+        const std::array<double, 3> of_obstacle = rigid->displacement(moved_by_mass[number], x);
+        for (std::size_t c = 0; c < dim; ++c)
+          way[c] -= of_obstacle[c];
       }
+      for (std::size_t c = 0; c < dim; ++c)
+        place[c] += way[c];
+      const double square = std::inner_product(way.begin(), way.end(), way.begin(), 0.0);
       double distance = 0;
-      const contact::Obstacle::Place& now = psi_->place[pairs.obstacles()[candidate]];
+      const contact::Obstacle::Place& now = psi_->place[number];
       try {
         distance = obstacle.at(place.data(), now).height;
       } catch (const UserError&) { // no direction leads out of the obstacle: the node is deep inside
@@ -228,6 +241,22 @@ std::vector<Warning> Plausibility::warnings() {
                      above(degrees(rotation_.value), degrees(small_rotation)), where(rotation_),
                      degrees(small_rotation), since(rotation_)),
          degrees(rotation_.value), degrees(small_rotation)});
+  if (obstacle_turn_.value > small_rotation)
+    found.push_back(
+        {"large rotation",
+         fmt::format("the obstacle with mass {} turns by {} degrees; its motion is meant for small "
+                     "angles, below {:.3g} degrees",
+                     where(obstacle_turn_), above(degrees(obstacle_turn_.value), degrees(small_rotation)),
+                     degrees(small_rotation)),
+         degrees(obstacle_turn_.value), degrees(small_rotation)});
+  const auto rings = [](const scene::Contact& one) {
+    return one.massless() && one.rigid && one.rigid->mass > 0;
+  };
+  if (std::ranges::any_of(scene_.contacts, rings))
+    found.push_back({"massless contact with a mass",
+                     "contact.mass: surfaces without mass ring against an obstacle with mass, so that forces "
+                     "alternate; set it to \"consistent\" and time.scheme to \"contact-stabilized\"",
+                     1, 0});
   if (inverted_.value > 0)
     found.push_back(
         {"elements turned inside out",

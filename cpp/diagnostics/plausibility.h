@@ -55,6 +55,7 @@ private:
   petsc::Vector largest_energy_state_; ///< y at the largest elastic energy so far
   double energy_ = 0;
   double largest_energy_time_ = -1; ///< time of largest_energy_state_, s; negative if it need not be checked
+  Worst obstacle_turn_;             ///< rotation of an obstacle with mass, rad
   Worst strain_, rotation_, inverted_, slip_, gap_;
   Worst axis_;               ///< depth of a node on the axis without candidate inside an obstacle, m
   std::vector<double> gaps_; ///< gaps of the constraint rows, m

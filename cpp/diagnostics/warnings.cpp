@@ -242,11 +242,13 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   return {
       {"energy lost in contact",
        fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} J{}, though the "
-                   "obstacles are at rest. Shorter steps ({}) reduce this error until a step takes {:.1e} s, "
+                   "obstacles {}. Shorter steps ({}) reduce this error until a step takes {:.1e} s, "
                    "the time in which a wave crosses an element in contact. Below that length only smaller "
-                   "elements reduce the error; with contact.mass = \"massless\" shorter steps do too",
+                   "elements reduce the error{}",
                    part, largest_energy, stepper.space().mesh().per_depth(),
-                   scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
+                   scene.rigid() ? "do no work of their own" : "are at rest",
+                   scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time(),
+                   scene.rigid() ? "" : "; with contact.mass = \"massless\" shorter steps do too"),
        part, small_loss}};
 }
 

@@ -4,7 +4,6 @@
 #include "diagnostics/warnings.h"
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
-#include "io/obstacle_surfaces.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -174,10 +173,10 @@ void MotionWriter::write_step(const Snapshot& now) {
     contact_->append(contact_rows(now.step, now.contact));
   if (state_)
     store_fields(now, stored_.size());
+  if (with_surfaces())
+    follow(now.state.y(), stored_.size());
   stored_.push_back(now.step.k);
   times_.push_back(now.step.end);
-  if (with_surfaces())
-    follow_body(now.state.y());
 }
 
 void MotionWriter::put_aside(const trajectory::Frame& frame) {
@@ -200,9 +199,9 @@ void MotionWriter::insert(const Aside& peak) {
     store_fields({peak.step, peak.state, peak.contact}, number);
   }
   times_.insert(times_.begin() + (place - stored_.begin()), peak.step.end);
-  stored_.insert(place, peak.step.k);
   if (with_surfaces())
-    follow_body(peak.state.y());
+    follow(peak.state.y(), static_cast<std::size_t>(place - stored_.begin()));
+  stored_.insert(place, peak.step.k);
 }
 
 void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
@@ -237,7 +236,12 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   });
 }
 
-void MotionWriter::follow_body(Vec y) {
+void MotionWriter::follow(Vec y, std::size_t number) {
+  const contact::ContactPairs& pairs = *problem_.stepper.pairs();
+  places_.resize(static_cast<std::size_t>(pairs.obstacle_count()));
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    if (const contact::RigidMotion* rigid = pairs.rigid(static_cast<int>(i)))
+      places_[i].insert(places_[i].begin() + static_cast<std::ptrdiff_t>(number), rigid->place(y));
   const petsc::ReadArray u(y);
   const auto dim = static_cast<std::size_t>(problem_.space.dim());
   const std::vector<double>& points = problem_.space.points();
@@ -256,7 +260,7 @@ void MotionWriter::write_obstacle_surfaces() const {
   contact::Box body = body_;
   MPI_Allreduce(MPI_IN_PLACE, body.low.data(), 3, MPI_DOUBLE, MPI_MIN, pairs->comm());
   MPI_Allreduce(MPI_IN_PLACE, body.high.data(), 3, MPI_DOUBLE, MPI_MAX, pairs->comm());
-  io::write_obstacle_surfaces(folder_, *pairs, times_, body);
+  io::write_obstacle_surfaces(folder_, *pairs, times_, body, places_);
 }
 
 std::vector<Warning> MotionWriter::warnings() {

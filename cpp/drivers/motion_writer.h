@@ -10,6 +10,7 @@
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
 #include "io/manifest.h"
+#include "io/obstacle_surfaces.h"
 #include "io/output_folder.h"
 #include "problem/problem.h"
 #include <functional>
@@ -95,8 +96,9 @@ private:
   void store_fields(const Snapshot& now, std::size_t number);
   /// Whether surfaces.h5 is written.
   [[nodiscard]] bool with_surfaces() const { return problem_.stepper.pairs() && (state_ || contact_); }
-  /// Extends body_ so that it contains this rank's nodes at the displacement y (m).
-  void follow_body(Vec y);
+  /// Notes where body and obstacles are at the displacement y (m) of the stored step `number`: extends body_
+  /// so that it contains this rank's nodes. Collective.
+  void follow(Vec y, std::size_t number);
   void write_obstacle_surfaces() const;
   void insert(const Aside& peak);
   /// Rows of a step in contact.csv, valid until the next call.
@@ -122,9 +124,10 @@ private:
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
-  std::vector<int> stored_;   ///< numbers of the stored steps
-  std::vector<double> times_; ///< ends of the stored steps, s
-  contact::Box body_;         ///< box around this rank's nodes at the stored times
+  std::vector<int> stored_;        ///< numbers of the stored steps
+  std::vector<double> times_;      ///< ends of the stored steps, s
+  std::vector<io::Places> places_; ///< of each obstacle at the stored times; empty without mass
+  contact::Box body_;              ///< box around this rank's nodes at the stored times
   diagnostics::LargestForce largest_force_;
   std::optional<Aside> aside_; ///< step of the largest force, unless that step is stored already
   std::string text_;           ///< buffer of rows

@@ -102,6 +102,32 @@ Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std:
   return motion;
 }
 
+/// Motion of the surface of an obstacle with mass.
+Motion moved(const Obstacle& obstacle, const contact::RigidMotion& rigid, std::size_t dim, const Box& shown,
+             const Places& places) {
+  Box swept = shown;
+  for (const contact::RigidMotion::Place& place : places) {
+    Box back = shown;
+    for (std::size_t c = 0; c < dim; ++c) {
+      back.low[c] -= place.translation[c];
+      back.high[c] -= place.translation[c];
+    }
+    swept.include(back);
+  }
+  Motion motion;
+  motion.surface = surface_within(obstacle, obstacle.place(0), static_cast<int>(dim), swept, fine[dim - 2]);
+  const std::vector<double>& points = motion.surface.points;
+  for (const contact::RigidMotion::Place& place : places)
+    for (std::size_t i = 0; i < points.size(); i += dim) {
+      std::array<double, 3> x{};
+      std::copy_n(&points[i], dim, x.begin());
+      const std::array<double, 3> way = rigid.displacement(place, x.data());
+      motion.displacement.insert(motion.displacement.end(), way.begin(),
+                                 way.begin() + static_cast<std::ptrdiff_t>(dim));
+    }
+  return motion;
+}
+
 /// The candidates of an obstacle, for the undeformed body at t = 0.
 struct Candidates {
   std::vector<double> gap;    ///< gap of each candidate, m
@@ -144,7 +170,8 @@ bool write(hid_t file, const std::string& name, const Obstacle& obstacle, std::s
 } // namespace
 
 void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
-                             std::span<const double> times, const Box& body) {
+                             std::span<const double> times, const Box& body,
+                             const std::vector<Places>& places) {
   constexpr const char* file_name = "surfaces.h5";
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Box shown = body;
@@ -159,7 +186,9 @@ void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactP
     bool good = static_cast<bool>(file);
     for (int i = 0; good && i < pairs.obstacle_count(); ++i) {
       const Obstacle& obstacle = pairs.shape(i);
-      const Motion motion = !obstacle.moves() || obstacle.keeps_shape()
+      const contact::RigidMotion* rigid = pairs.rigid(i);
+      const Motion motion = rigid ? moved(obstacle, *rigid, dim, shown, places[static_cast<std::size_t>(i)])
+                            : !obstacle.moves() || obstacle.keeps_shape()
                                 ? carried(obstacle, dim, shown, times)
                                 : renewed(obstacle, dim, shown, times);
       good = write(file, std::to_string(i + 1), obstacle, dim, motion, candidates_of(pairs, i), times.size());

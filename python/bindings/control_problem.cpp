@@ -198,7 +198,7 @@ public:
       std::vector<double> all;
       for (int k = first; k < first + count; ++k) {
         const petsc::ReadArray y(reduced().trajectory().at(k).y());
-        const std::span<const double> entries(y);
+        const auto entries = std::span<const double>(y).first(modules().space.layout().mesh_dofs());
         all.insert(all.end(), entries.begin(), entries.end());
       }
       return all;

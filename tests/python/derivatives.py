@@ -19,6 +19,7 @@ CASES = {
                              "control__initial": ["0", "-30"]},
     "a half section": {"mesh__file": "../meshes/half-ball-section.geo", "mesh__model": "axisymmetric"},
     "rubbed": {"contact__friction": 0.3},
+    "an obstacle with mass": {"contact__obstacle__mass": 100.0, "contact__obstacle__inertia": 2e4, "contact__friction": 0.3},
     "a plate": {"mesh__model": "plane-stress", "material__viscosity": {"bulk": 13e4 / 6, "shear": 1e4}},
 }  # fmt: skip
 one_rank = pytest.mark.skipif(signorini.ranks > 1, reason="the other cases are those to which ranks matter")

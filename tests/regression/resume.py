@@ -150,6 +150,18 @@ def test_friction(friction: str, tmp_path: Path) -> None:
     assert steps["slip"].sum() > 20 and steps["friction_work"].sum() < 0, "hardly any friction: the case says nothing"
 
 
+def test_obstacle_with_mass(tmp_path: Path) -> None:
+    """A plate with mass that turns and slides, and that the control throws to a height."""
+    plate = {"control__initial": '["0", "-1"]', "contact__obstacle__mass": "100.0", "contact__obstacle__inertia": "2e4", "contact__friction": "0.3",
+             "objective__desired": '{displacement=["0", "-1.0"]}', "objective__obstacle": '"obstacle 1"'}  # fmt: skip
+    reference, out = tmp_path / "whole", tmp_path / "resumed"
+    complete(reference, **plate, optimizer__max_iterations="8")
+    complete(out, **plate, optimizer__max_iterations="3")
+    assert "resumed after iteration 3" in complete(out, "--resume", **plate, optimizer__max_iterations="8")
+    assert results(out) == results(reference)
+    assert table(reference / "steps.csv")["rigid_energy"].max() > 0
+
+
 @pytest.fixture(scope="module")
 def on_ranks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A search from one rank to two, to three and back."""
