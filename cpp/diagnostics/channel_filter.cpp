@@ -15,8 +15,12 @@ std::vector<double> channel_filtered(std::span<const double> samples, double int
                whole = 1 + std::numbers::sqrt2 * rate + square, a = square / whole,
                b1 = -2 * (square - 1) / whole, b2 = (-1 + std::numbers::sqrt2 * rate - square) / whole;
   std::vector<double> series(samples.begin(), samples.end());
+  constexpr double settled = 10; // periods of the class after which the filter has forgotten a sample
+  const double last = series.empty() ? 0 : series.back();
+  series.resize(samples.size() + static_cast<std::size_t>(settled / (channel_class * interval)), last);
+  double before = 0;
   for (int pass = 0; pass < 2; ++pass) {
-    double x1 = series.empty() ? 0 : series.front(), x2 = x1, y1 = x1, y2 = x1;
+    double x1 = before, x2 = x1, y1 = x1, y2 = x1;
     for (double& x : series) {
       const double y = a * (x + 2 * x1 + x2) + b1 * y1 + b2 * y2;
       x2 = std::exchange(x1, x);
@@ -24,7 +28,9 @@ std::vector<double> channel_filtered(std::span<const double> samples, double int
       x = y;
     }
     std::ranges::reverse(series);
+    before = last;
   }
+  series.resize(samples.size());
   return series;
 }
 

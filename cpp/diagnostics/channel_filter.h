@@ -6,8 +6,9 @@
 namespace signorini::diagnostics {
 
 /// Filters samples with the equal distance `interval` (s) by SAE J211's digital filter of a channel frequency
-/// class such as 60, 180, 600 or 1000: a Butterworth filter of second order, forwards and then backwards, so
-/// that phases stay. Before the first and after the last sample the channel is taken to be constant.
+/// class such as 60, 180, 600 or 1000. It is a Butterworth filter of second order, forwards and then
+/// backwards, so that phases stay. The channel is taken to be zero before the first sample, as before an
+/// impact, and constant after the last.
 std::vector<double> channel_filtered(std::span<const double> samples, double interval, double channel_class);
 
 } // namespace signorini::diagnostics

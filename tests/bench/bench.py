@@ -98,6 +98,9 @@ EFFECTS = {
     # beside "+ bounds"
     "+ friction, sticks": {"prony": "", "foundation": "", "rayleigh": "", "contact": rubbed(OBSTACLE.format(height=-15.75), 1)},
     "+ friction, slips": {"contact": rubbed(OBSTACLE.format(height=-15.75), 0.3, ', surface_velocity = ["1e3", "0"]')},
+    # beside "+ bounds"
+    "+ obstacle with mass": {"contact": OBSTACLE.format(height=-15.75).replace(" }\n", ", mass = 1e4 }\n")},
+    "+ that turns": {"contact": OBSTACLE.format(height=-15.75).replace(" }\n", ", mass = 1e4, inertia = 1e6 }\n")},
 }
 
 
