@@ -175,6 +175,21 @@ def logarithmic(where: str, view: dict, curves: list) -> None:
         same(f"{where}: no power of ten", decades <= 1.3, True)
 
 
+def spectrum(where: str, view: dict, t: np.ndarray, parts: dict[str, np.ndarray], unit: str) -> None:
+    """The sums of Fourier's integral at the frequencies of the record, for components that are more than rounding."""
+    steps = np.diff(t)
+    if np.ptp(steps) > 1e-6 * steps[0]:
+        return  # interpolated
+    n, tau = len(t), (t[-1] - t[0]) / len(steps)
+    frequencies = np.arange(1, n // 2 + 1) / (n * tau)
+    kernel = np.exp(-2j * np.pi * np.outer(np.arange(1, n // 2 + 1), np.arange(n)) / n)
+    moduli = {axis: tau * abs(kernel @ values) for axis, values in parts.items()}
+    most = np.max([np.max(modulus) for modulus in moduli.values()])
+    compare(f"{where}: spectrum", view, ("frequency (Hz)", f"∣Fourier integral∣ ({unit} s)"),
+            {axis: (frequencies, modulus) for axis, modulus in moduli.items() if np.max(modulus) > 1e-9 * most})
+    same(f"{where}: axes", [view["layout"][axis]["type"] for axis in ("xaxis", "yaxis")], ["log", "log"])
+
+
 def probe_charts(run: Run, views: dict, times: np.ndarray, title: str) -> set[str]:
     if not (run.path / "probes.csv").is_file():
         return set()
@@ -188,7 +203,10 @@ def probe_charts(run: Run, views: dict, times: np.ndarray, title: str) -> set[st
             parts = name.rsplit("_", 1)
             charts.setdefault(probe, {}).setdefault(parts[0], {})[parts[-1]] = values
     for number, (probe, shown) in enumerate(charts.items(), 1):
-        same(f"views of {probe}", list(views[f"probe-{number}"]), list(shown))
+        spectra = [name for name in ("force",) if name in shown and len(times) > 2]
+        same(f"views of {probe}", list(views[f"probe-{number}"]), [*shown, *(f"spectrum of the {name}" for name in spectra)])
+        for name in spectra:
+            spectrum(f"{probe}, {name}", views[f"probe-{number}"][f"spectrum of the {name}"], run.table("probes")["time"], shown[name], units[name])
         for name, parts in shown.items():
             factor, unit = prefix(list(parts.values()), units[name])
             compare(f"{probe}, {name}", views[f"probe-{number}"][name], (title, f"{name} ({unit})"),

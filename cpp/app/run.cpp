@@ -75,7 +75,7 @@ void require_size(const scene::Scene& scene, const Request& request) {
 
 /// Throws UserError if a motion whose end is unknown is not to be simulated once.
 void require_end(const scene::Scene& scene, const Request& request) {
-  if (scene.time.until_bounce && (request.verb != "simulate" || request.accuracy))
+  if (scene.time.until_bounce && ((request.verb != "simulate" && request.verb != "info") || request.accuracy))
     throw UserError(
         fmt::format("time.end: found \"auto\", which {} does not accept; give the end in s, such as "
                     "that in scene.toml of a simulation",

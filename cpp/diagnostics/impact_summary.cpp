@@ -38,6 +38,11 @@ ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& s
   const BodyFigures figures = body_figures(stepper, scene);
   impact_.mass = figures.mass;
   crossing_ = figures.crossing;
+  const auto flies = [](const scene::RigidBody& body) {
+    return body.inertia.empty() && body.stiffness.empty() && body.damping.empty();
+  };
+  if (scene.contacts.size() == 1 && scene.contacts.front().rigid && flies(*scene.contacts.front().rigid))
+    flies_ = stepper.pairs()->rigid(0);
   for (const scene::Contact& contact : scene.contacts)
     impact_.obstacles.push_back({.name = contact.name});
 }
@@ -51,6 +56,9 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.rigid_at_end = balance.rigid_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
   now_ = frame.step.end;
+  const Velocity obstacle_before = obstacle_velocity_;
+  if (flies_)
+    obstacle_velocity_ = flies_->place(frame.after.v()).translation;
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
       touch.least_gap = now.min_gap;
@@ -82,7 +90,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
     return;
   const bool pushed = forces.all().normal_force > 0;
   if (pushed)
-    rebound(frame, forces.all(), before, balance.momentum);
+    rebound(frame, forces.all(), before, balance.momentum, obstacle_before);
   open_steps_ = pushed || forces.all().active > 0 ? 0 : open_steps_ + 1;
   parted_ = !pushed && (parted_ || open_steps_ >= least_open);
   for (std::size_t i = 0; i < forces.each().size(); ++i)
@@ -93,8 +101,12 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
 }
 
 void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce& now,
-                            const std::array<double, 3>& before, const std::array<double, 3>& after) {
-  const auto begun = [&] { return Rebound{.start = frame.step.begin, .before = over(before, impact_.mass)}; };
+                            const std::array<double, 3>& before, const std::array<double, 3>& after,
+                            const Velocity& obstacle_before) {
+  const auto begun = [&] {
+    return Rebound{
+        .start = frame.step.begin, .before = over(before, impact_.mass), .obstacle_before = obstacle_before};
+  };
   if (touches_.empty())
     impact_.whole = begun();
   if (parted_) { // before a step that closes a gap without a force, too
@@ -106,6 +118,7 @@ void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce&
   for (Rebound* one : {&impact_.whole, &touch}) {
     one->end = frame.step.end;
     one->after = over(after, impact_.mass);
+    one->obstacle_after = obstacle_velocity_;
     one->impulse = now.impulse;
     one->friction_impulse = now.friction_impulse;
   }
@@ -173,9 +186,10 @@ std::optional<Impact> ImpactSummary::impact() const {
   if (!impact.ended)
     impact.no_restitution = "contact has not ended";
   else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
-    impact.no_restitution = along(impact.whole.before, impact.whole.normal_impulse()) < 0
-                                ? "the body still approaches the obstacle at the end"
-                                : "the body did not approach the obstacle before contact";
+    impact.no_restitution =
+        along(impact.whole.before, impact.whole.normal_impulse(), impact.whole.obstacle_before) < 0
+            ? "the body still approaches the obstacle at the end"
+            : "the body did not approach the obstacle before contact";
   return impact;
 }
 
@@ -200,6 +214,7 @@ std::vector<Rebound> ImpactSummary::bounces() const {
       Rebound& bounce = all.back();
       bounce.end = last.end;
       bounce.after = last.after;
+      bounce.obstacle_after = last.obstacle_after;
       bounce.touches += last.touches;
       bounce.peak = std::max(bounce.peak, last.peak);
       for (std::size_t c = 0; c < 3; ++c) {
@@ -216,21 +231,22 @@ bool ImpactSummary::one_bounce(const Rebound& first, const Rebound& second, bool
   const double pause = second.start - first.end,
                shorter = std::min(first.end - first.start, second.end - second.start);
   return pause <= std::max(brief * shorter, 2 * crossing_) ||
-         (restitution_possible && along(first.after, first.impulse) <= 0);
+         (restitution_possible && along(first.after, first.impulse, first.obstacle_after) <= 0);
 }
 
-double ImpactSummary::along(const std::array<double, 3>& velocity,
-                            const std::array<double, 3>& impulse) const {
+double ImpactSummary::along(const std::array<double, 3>& velocity, const std::array<double, 3>& impulse,
+                            const Velocity& obstacle) const {
   double sum = 0;
   for (std::size_t c = 0; c < 3; ++c)
     if (free_[c])
-      sum += velocity[c] * impulse[c];
+      sum += (velocity[c] - (obstacle ? (*obstacle)[c] : 0)) * impulse[c];
   return sum;
 }
 
 std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
   const std::array<double, 3> n = rebound.normal_impulse();
-  const double towards = along(rebound.before, n), away = along(rebound.after, n);
+  const double towards = along(rebound.before, n, rebound.obstacle_before),
+               away = along(rebound.after, n, rebound.obstacle_after);
   if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
     return std::nullopt;
   return -away / towards;
@@ -249,8 +265,8 @@ std::string ImpactSummary::no_restitution_reason() const {
     return "a foundation acts on the body";
   if (stepper_.operators().drag)
     return "mass damping acts on the body";
-  if (moving_ || !stepper_.space().layout().virtual_nodes().empty())
-    return "an obstacle moves";
+  if (moving_ || (!stepper_.space().layout().virtual_nodes().empty() && !flies_))
+    return "an obstacle moves, and not freely";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"
                                                                         : "";
 }

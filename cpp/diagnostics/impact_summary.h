@@ -47,9 +47,12 @@ struct Rebound {
   double peak = 0;                          ///< largest mean of Σ |nodal force| over two steps, N
   std::array<double, 3> before{},           ///< velocity of the centre of mass at `start`, m/s
       after{};                              ///< velocity of the centre of mass at `end`, m/s
-  /// Coefficient of restitution −(after·n)/(before·n), where n is normal_impulse() with zeros in clamped
-  /// components.
-  /// Defined only if the body moved towards one obstacle at rest, touched no other obstacle, and left it.
+  /// Velocities of an obstacle with mass at these times, m/s; absent if the scene has other obstacles too,
+  /// and if springs or rotations are part of its motion.
+  std::optional<std::array<double, 3>> obstacle_before{}, obstacle_after{};
+  /// Coefficient of restitution −(after·n)/(before·n) of velocities relative to the obstacle, where n is
+  /// normal_impulse() with zeros in clamped components.
+  /// Defined only if the body moved towards one obstacle, at rest or free, touched no other one, and left it.
   std::optional<double> restitution{};
 
   /// Returns the impulse without friction.
@@ -101,7 +104,7 @@ public:
   ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene);
 
   /// Takes the next frame with its balance and contact forces; frames are passed in order, from frame 0 on.
-  /// Not collective.
+  /// Collective.
   void observe(const trajectory::Frame& frame, const StepBalance& balance, const ObstacleForces& forces);
 
   /// Returns whether a bounce is over: the body has left the obstacle for the time in which a wave crosses it
@@ -123,10 +126,11 @@ private:
   };
   /// Adds one step to the contact with an obstacle, or with all.
   void take(const trajectory::Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
+  using Velocity = std::optional<std::array<double, 3>>;
   /// Adds one step with a force to the current touch. `before`, `after`: the body's momentum before and after
-  /// the step, kg m/s.
+  /// the step, kg m/s; `obstacle_before`: velocity of an obstacle with mass before the step.
   void rebound(const trajectory::Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
-               const std::array<double, 3>& after);
+               const std::array<double, 3>& after, const Velocity& obstacle_before);
   /// Returns the reason why no bounce of the motion has a coefficient of restitution; empty if there is
   /// no such reason.
   [[nodiscard]] std::string no_restitution_reason() const;
@@ -137,19 +141,22 @@ private:
   /// a wave takes to cross the body and return. If `restitution_possible` (no_restitution_reason() is empty),
   /// they also do if the first rebound does not turn the body away from the obstacle.
   [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool restitution_possible) const;
-  /// Returns the coefficient of restitution −(after·n)/(before·n), where n is the impulse of `rebound` with
-  /// zeros in clamped components. Returns nothing unless the body moves
-  /// towards the obstacle before the rebound, and away from it afterwards.
+  /// Returns the coefficient of restitution −(after·n)/(before·n) of velocities relative to the obstacle,
+  /// where n is the impulse of `rebound` with zeros in clamped components. Returns nothing unless the body
+  /// moves towards the obstacle before the rebound, and away from it afterwards.
   [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
-  /// Returns the scalar product of a velocity and an impulse over the components without clamps.
-  [[nodiscard]] double along(const std::array<double, 3>& velocity,
-                             const std::array<double, 3>& impulse) const;
+  /// Returns the scalar product of a velocity, relative to that of an obstacle with mass, and an impulse over
+  /// the components without clamps.
+  [[nodiscard]] double along(const std::array<double, 3>& velocity, const std::array<double, 3>& impulse,
+                             const Velocity& obstacle = {}) const;
 
   const step::Stepper& stepper_;
   std::array<bool, 3> free_{}; ///< components without clamps
   bool moving_;
-  double now_ = 0;  ///< end of the last step, s
-  double crossing_; ///< time in which a wave crosses the body, s
+  const contact::RigidMotion* flies_ = nullptr; ///< the only obstacle, if it has mass and flies freely
+  Velocity obstacle_velocity_;                  ///< of that obstacle, m/s
+  double now_ = 0;                              ///< end of the last step, s
+  double crossing_;                             ///< time in which a wave crosses the body, s
   EnergyAccount energy_;
   Impact impact_;
   std::vector<Last> last_; ///< entries for each obstacle, then for all together

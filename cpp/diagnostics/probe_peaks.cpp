@@ -71,6 +71,8 @@ std::vector<ProbePeak> ProbePeaks::peaks() const {
     }
     for (std::size_t k = 0; k < steps; ++k)
       note(squares[k], ends_[k] - lengths_[k] / 2, found.filtered);
+    constexpr double reach = 0.5; // of the filter, in periods of the class
+    found.at_end = found.filtered.time > ends_.back() - reach / *channel.channel_class;
   }
   return all;
 }

@@ -19,7 +19,8 @@ struct ProbePeak {
   std::string probe, quantity; ///< name of the probe; "acceleration" or "force"
   Peak mean;                   ///< largest mean over two steps
   std::optional<double> channel_class{};
-  Peak filtered{}; ///< largest value of the filtered channel; set with a class
+  Peak filtered{};     ///< largest value of the filtered channel; set with a class
+  bool at_end = false; ///< whether `filtered` is so near to the end that it depends on what comes later
 };
 
 /// Collects the accelerations of probes, and the forces of probes with a filter, for their peaks.

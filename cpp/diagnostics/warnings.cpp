@@ -239,17 +239,24 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   const auto moves = [](const scene::Contact& one) { return scene::moves(one.obstacle); };
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
-  return {
-      {"energy lost in contact",
-       fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} J{}, though the "
-                   "obstacles {}. Shorter steps ({}) reduce this error until a step takes {:.1e} s, "
-                   "the time in which a wave crosses an element in contact. Below that length only smaller "
-                   "elements reduce the error{}",
-                   part, largest_energy, stepper.space().mesh().per_depth(),
-                   scene.rigid() ? "do no work of their own" : "are at rest",
-                   scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time(),
-                   scene.rigid() ? "" : "; with contact.mass = \"massless\" shorter steps do too"),
-       part, small_loss}};
+  const std::string massless = scene.rigid() ? "" : "; with contact.mass = \"massless\" shorter steps do too";
+  const bool short_already = !scene.time.automatic() && scene.time.step <= stepper.wave_time();
+  const std::string remedy =
+      short_already
+          ? "Steps are shorter than the time in which a wave crosses an element in contact, so that only "
+            "smaller elements reduce this error" +
+                massless
+          : fmt::format(
+                "Shorter steps ({}) reduce this error until a step takes {:.1e} s, the time in which a "
+                "wave crosses an element in contact. Below that length only smaller elements reduce "
+                "the error{}",
+                scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time(), massless);
+  return {{"energy lost in contact",
+           fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} J{}, though the "
+                       "obstacles {}. {}",
+                       part, largest_energy, stepper.space().mesh().per_depth(),
+                       scene.rigid() ? "do no work of their own" : "are at rest", remedy),
+           part, small_loss}};
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "drivers/summary_lines.h"
 #include "drivers/synthetic_data.h"
 #include "problem/run_objective.h"
+#include "trajectory/drop.h"
 #include "trajectory/step_control.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -58,6 +59,8 @@ public:
         objective_->observe(frame);
       if (data_)
         data_->observe(frame);
+      if (problem_.scene.time.until_bounce)
+        bounced_ = over(frame);
       progress.update(static_cast<std::size_t>(
           equal ? frame.step.k : std::floor(per_mille * frame.step.end / problem_.stepper.end())));
     };
@@ -74,7 +77,7 @@ public:
   }
 
   /// Whether the motion ended with its bounce.
-  [[nodiscard]] bool bounced() const { return problem_.scene.time.until_bounce && recorder_->bounced(); }
+  [[nodiscard]] bool bounced() const { return bounced_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] bool complete() const { return problem_.grid.complete() && steps_ == problem_.steps(); }
   [[nodiscard]] MotionWriter& recorder() { return *recorder_; }
@@ -98,6 +101,16 @@ public:
   }
 
 private:
+  /// Whether the bounce is over and its rotation does not bring the body down again. Collective.
+  [[nodiscard]] bool over(const trajectory::Frame& frame) {
+    if (!recorder_->bounced())
+      return false;
+    const step::Stepper& stepper = problem_.stepper;
+    if (!rigid_)
+      rigid_.emplace(problem_.space, stepper.clamped(), stepper.M());
+    return !trajectory::touches_again(stepper, *rigid_, frame, stepper.end());
+  }
+
   /// Sets up the objective, if the scene has one. The simulation continues if the run of the desired motion
   /// is missing or invalid.
   void start_objective() {
@@ -120,6 +133,8 @@ private:
   std::optional<trajectory::StepControl> control_;
   std::optional<MotionWriter> recorder_;
   std::optional<SyntheticData> data_;
+  std::optional<fem::RigidMotions> rigid_; ///< of the body, once its bounce may be over
+  bool bounced_ = false;
   int steps_ = 0;
 };
 

@@ -54,7 +54,10 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
 std::string velocities(const diagnostics::Rebound& rebound, bool ended, const Body& body) {
   return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, body.dim),
                      components(rebound.after, body.dim), ended ? "after" : "at the end, still in contact",
-                     rebound.restitution ? fmt::format("; restitution {:.4g}", *rebound.restitution) : "");
+                     rebound.restitution
+                         ? fmt::format("; restitution {:.4g}{}", *rebound.restitution,
+                                       rebound.obstacle_after ? " relative to the obstacle" : "")
+                         : "");
 }
 
 std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std::size_t of, bool ended,
@@ -159,7 +162,8 @@ std::string peak_line(const diagnostics::ProbePeak& one, const Body& body) {
   std::string line =
       fmt::format("probe \"{}\": peak {} {} (mean of two steps)", one.probe, one.quantity, text(one.mean));
   if (one.channel_class)
-    line += fmt::format(", with CFC {:.6g} {}", *one.channel_class, text(one.filtered));
+    line += fmt::format(", with CFC {:.6g} {}{}", *one.channel_class, text(one.filtered),
+                        one.at_end ? ", so near to the end that it depends on what comes later" : "");
   return line;
 }
 

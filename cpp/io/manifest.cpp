@@ -339,7 +339,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
     if (one.channel_class)
       peak.update({{"cfc", *one.channel_class},
                    {"filtered_peak", one.filtered.value},
-                   {"filtered_time", one.filtered.time}});
+                   {"filtered_time", one.filtered.time},
+                   {"filtered_at_end", one.at_end}});
     json["probe_peaks"].push_back(std::move(peak));
   }
   if (m.energy)

@@ -7,7 +7,10 @@
 namespace signorini::scene {
 
 Fall fall(const Scene& scene) {
-  const Components& gravity = scene.load.value().gravity.value();
+  return fall(scene.load.value().gravity.value(), scene.initial.drop.value().height);
+}
+
+Fall fall(const Components& gravity, double height) {
   Fall fall{.direction = std::vector<double>(gravity.size())};
   const std::array<double, 3> origin{};
   Field(gravity, "load.gravity", true).evaluate(origin.data(), 0, fall.direction.data());
@@ -17,7 +20,7 @@ Fall fall(const Scene& scene) {
   fall.acceleration = std::sqrt(squares);
   for (double& component : fall.direction)
     component /= fall.acceleration;
-  fall.speed = std::sqrt(2 * fall.acceleration * scene.initial.drop.value().height);
+  fall.speed = std::sqrt(2 * fall.acceleration * height);
   return fall;
 }
 

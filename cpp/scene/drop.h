@@ -14,6 +14,8 @@ struct Fall {
   [[nodiscard]] double flight_time() const { return 2 * speed / acceleration; }
 };
 
+/// Computes the fall from `height` (m) by a constant `gravity` (m/s²), which must not be zero.
+Fall fall(const Components& gravity, double height);
 /// Computes the fall of a scene with initial.drop, whose gravity must be constant and not zero.
 Fall fall(const Scene& scene);
 

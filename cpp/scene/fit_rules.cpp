@@ -311,8 +311,11 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
     const std::ptrdiff_t given = in.has("point") + in.has("on") + in.has("obstacle");
     if (given != 1)
       in.fail("", fmt::format("found {}; give one of point, on, obstacle", given == 0 ? "none" : "several"));
-    if (measurement.obstacle)
+    if (measurement.obstacle) {
       require_mass(in, *measurement.obstacle, scene);
+      if (measurement.of == Quantity::velocity)
+        require_inert(in, *measurement.obstacle, scene, "of");
+    }
   } else {
     if (scene.contacts.empty())
       in.fail("of", fmt::format("found \"{}\" in a scene without [contact]; add one", of));

@@ -60,8 +60,13 @@ std::string excess_of_fractions(const Material& material);
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
 /// Throws UserError unless the scene has an obstacle with mass named `obstacle`.
 void require_mass(const Reader& in, const std::string& obstacle, const Scene& scene);
+/// Throws UserError, naming `key`, if an obstacle with mass has the mass 0: then only its displacement is
+/// determined, and its velocity alternates from step to step.
+void require_inert(const Reader& in, const std::string& obstacle, const Scene& scene, const char* key);
 /// Checks the rules of scenes with unknowns or measurements, and sets the search method for the unknowns.
 void require_fit_rules(Reader& in, Scene& scene);
+/// Sets the time that a scene with time.end = "auto" has at most. Throws UserError if the scene needs an end.
+void set_latest_end(Reader& in, Scene& scene);
 /// Reads the name of the scene's last obstacle from the obstacle's table; "obstacle 1", "obstacle 2", … if
 /// the table gives none.
 std::string obstacle_name(Reader& in, const Scene& scene);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <functional>
 #include <limits>
 
@@ -169,6 +170,7 @@ public:
     acceleration_.resize(m);
     const petsc::Vector of_obstacles = stepper.space().vector();
     stepper.pairs()->set_rigid_velocities(of_obstacles);
+    of_free_obstacles(of_obstacles, [](double value, double) { return value; });
     add(along_rows(of_obstacles), velocity_);
     if (step::SceneLoad::acts(scene))
       load_.emplace(stepper.space(), stepper.M(), scene, grid_.end());
@@ -182,17 +184,9 @@ public:
       return;
     assemble(sum_->at(grid_.step(interval)), stepper_.operators(), force_);
     acceleration_ = along(rigid_.products(force_));
-    const fem::Layout& layout = stepper_.space().layout();
-    if (layout.virtual_nodes().empty())
+    if (stepper_.space().layout().virtual_nodes().empty())
       return;
-    { // of obstacles with mass, without their springs and dashpots
-      const petsc::WriteArray values(force_);
-      const auto dim = static_cast<std::size_t>(layout.dim()), mesh = layout.mesh_dofs();
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        const double mass = i < mesh ? 0 : layout.virtual_nodes()[(i - mesh) / dim].mass[(i - mesh) % dim];
-        values[i] = mass > 0 ? values[i] / mass : 0;
-      }
-    }
+    of_free_obstacles(force_, [](double force, double mass) { return mass > 0 ? force / mass : 0; });
     add(along_rows(force_), acceleration_);
   }
   void advance(double s) {
@@ -217,6 +211,24 @@ private:
       for (std::size_t i = 0; i < sum.size(); ++i)
         sum[i] += coefficients[j] * motions_[j][i];
     return sum;
+  }
+
+  /// Sets the entries of x of obstacles with mass to value(entry, mass), without dashpots, and others to
+  /// zero: those of the body, and those of obstacles on springs, which are taken to rest.
+  template <class Value>
+  void of_free_obstacles(Vec x, Value&& value) const {
+    const fem::Layout& layout = stepper_.space().layout();
+    const petsc::WriteArray values(x);
+    const auto dim = static_cast<std::size_t>(layout.dim()), mesh = layout.mesh_dofs();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (i < mesh) {
+        values[i] = 0;
+        continue;
+      }
+      const fem::VirtualNode& node = layout.virtual_nodes()[(i - mesh) / dim];
+      const std::size_t c = (i - mesh) % dim;
+      values[i] = node.stiffness[c] > 0 ? 0 : value(values[i], node.mass[c]);
+    }
   }
 
   /// Returns Hᵀx for the candidates. Collective.
@@ -295,11 +307,17 @@ std::vector<FirstTouch> first_touches(const step::Stepper& stepper, const scene:
 
 std::vector<std::string> first_touch_lines(const step::Stepper& stepper, const scene::Scene& scene) {
   const std::vector<FirstTouch> all = first_touches(stepper, scene);
-  const bool surrounded = stepper.operators().surrounded();
-  const char* const without = scene.control && surrounded ? ", without control, foundations and mass damping"
-                              : scene.control             ? ", without the control"
-                              : surrounded                ? ", without foundations and mass damping"
-                                                          : "";
+  const auto on_springs = [](const scene::Contact& one) {
+    return one.rigid && (!one.rigid->stiffness.empty() || !one.rigid->damping.empty());
+  };
+  std::vector<std::string> absent;
+  if (scene.control)
+    absent.emplace_back("the control");
+  if (stepper.operators().surrounded())
+    absent.emplace_back("foundations and mass damping");
+  if (std::ranges::any_of(scene.contacts, on_springs))
+    absent.emplace_back("the motion of obstacles on springs or dashpots");
+  const std::string without = absent.empty() ? "" : fmt::format(", without {}", fmt::join(absent, ", "));
   std::vector<std::string> lines;
   for (std::size_t o = 0; o < all.size(); ++o) {
     const FirstTouch& one = all[o];

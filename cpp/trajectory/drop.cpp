@@ -33,7 +33,29 @@ void drop(const step::Stepper& stepper, const scene::Scene& scene, Vec y, Vec v)
     throw UserError("initial.drop: no node of contact.on is above an obstacle along load.gravity; turn the "
                     "obstacle's normal or gravity");
   check(VecAXPY(y, way, direction));
+  if (pairs.skips_axis()) // a vertex on the axis that is no candidate, but must not be inside
+    check(VecAXPY(y, -pairs.deepest_on_axis(y, 0).depth, direction));
   check(VecAXPY(v, fall.speed, direction));
+}
+
+bool touches_again(const step::Stepper& stepper, const fem::RigidMotions& rigid, const Frame& frame,
+                   double until) {
+  const contact::ContactPairs& pairs = *stepper.pairs();
+  const petsc::Vector rest = petsc::copy(frame.after.v()); // the velocity without its rigid part
+  rigid.subtract(rigid.coefficients(frame.after.v()), rest);
+  {
+    const petsc::WriteArray values(rest); // obstacles with mass move as they do
+    for (std::size_t i = stepper.space().layout().mesh_dofs(); i < values.size(); ++i)
+      values[i] = 0;
+  }
+  const petsc::Vector moves = petsc::copy(frame.after.v());
+  check(VecAXPY(moves, -1, rest));
+  std::vector<double> nearer(static_cast<std::size_t>(pairs.rows().count()));
+  pairs.rows().apply_transpose(moves, nearer);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pairs.count()); ++i)
+    if (nearer[i] * (until - frame.step.end) > frame.contact.gap[i])
+      return true;
+  return false;
 }
 
 } // namespace signorini::trajectory

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "fem/rigid_motions.h"
 #include "scene/scene.h"
-#include "step/step.h"
+#include "trajectory/time_integrator.h"
 
 namespace signorini::trajectory {
 
@@ -10,5 +11,11 @@ namespace signorini::trajectory {
 /// the linearised ones, exact for half-spaces. Collective. Throws UserError if no candidate is above an
 /// obstacle.
 void drop(const step::Stepper& stepper, const scene::Scene& scene, Vec y, Vec v);
+
+/// Returns whether a candidate touches an obstacle again before `until` (s) by the rigid part of the body's
+/// velocity, without other forces, as one does that the body's rotation brings down. `rigid`: motions of the
+/// stepper's body. Collective.
+[[nodiscard]] bool touches_again(const step::Stepper& stepper, const fem::RigidMotions& rigid,
+                                 const Frame& frame, double until);
 
 } // namespace signorini::trajectory

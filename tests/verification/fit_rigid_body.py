@@ -82,4 +82,4 @@ def test_deviations(tmp_path: Path, name: str) -> None:
                     for of, value in CASES[name][2].items()])  # fmt: skip
     within = np.sum(np.abs(off) <= 2, axis=0)
     print(f"{within} of {len(off)} within two deviations; mean {np.mean(off, axis=0)}, standard deviation {np.std(off, axis=0)}")
-    assert min(within) >= 33 and min(np.std(off, axis=0)) > 0.5
+    assert np.min(within) >= 33 and np.min(np.std(off, axis=0)) > 0.5

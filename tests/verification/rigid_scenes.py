@@ -31,6 +31,17 @@ def test_ram(tmp_path: Path) -> None:
     keeps_energy(tmp_path)
 
 
+def test_hammer(tmp_path: Path) -> None:
+    """The hammer goes m v/Z deep, and the energy leaves by the foot, but for what viscosity takes."""
+    signorini("simulate", SCENES / "hammer.toml", tmp_path)
+    probe, steps = table(tmp_path / "probes.csv"), table(tmp_path / "steps.csv")
+    constant = 0.4 / (np.sqrt(2.1e11 * 7800) * np.pi * 1e-4)
+    exact = 2 * constant * (1 - np.exp(-probe["time"] / constant))
+    assert abs(probe["hammer.displacement_y"] + exact).max() < 0.01 * exact[-1]
+    assert steps["foundation_dissipation"].sum() + steps["viscous_dissipation"].sum() > 0.9 * 0.8
+    keeps_energy(tmp_path)
+
+
 def test_load_cell(tmp_path: Path) -> None:
     """The spring's and the dashpot's force less the plate's inertia is the force on the ball, in each step; momentum is that of the bounce."""
     signorini("simulate", SCENES / "load-cell.toml", tmp_path)

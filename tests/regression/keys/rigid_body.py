@@ -154,3 +154,27 @@ def test_measured_and_unknown(simulate: Runner, tmp_path: Path) -> None:
     assert [one["scale"] for one in done.echo["unknown"]] == ["log", "linear", "log", "log", "log"]
     rows = table(done.folder / "measurements.csv")
     assert abs(rows["value"]).max() > 0.01 and abs(rows["residual"]).max() < 1e-12
+
+
+@pytest.mark.key("contact.obstacle.mass")
+@pytest.mark.parametrize("mass", (0.5, 1e4))
+def test_restitution(mass: float, simulate: Runner) -> None:
+    """Of an impact with a plate that flies: the ratio of the relative velocities of the centres of mass; with a heavy one that at rest."""
+    flat = {"load__body": ["0", "0"], "material__viscosity": {"bulk": 0.5, "shear": 0.5}, "time__end": 1.0}
+    probe = {"every": 1, "probe": [{"name": "plate", "obstacle": "plate"}, {"name": "body", "body": True}]}
+    upright = PLATE | {"normal": [0, 1]}
+    done = simulate(contact__obstacle=upright | {"mass": mass, "velocity": [0, 0.2]}, output=probe, **flat)
+    found = probes(done)
+    away = found["body.momentum_y"] - found["plate.velocity_y"]  # the body has the mass 1
+    expected = -away[-1] / away[0]
+    assert done.manifest["impact"]["restitution"] == pytest.approx(expected, rel=1e-9) and 0.1 < expected < 1
+    assert "relative to the obstacle" in done.stdout
+    if mass > 1e3:
+        rests = simulate(contact__obstacle=upright, output={"every": 1}, initial__velocity=["0", "-1.2"], **flat)
+        near(done.manifest["impact"]["restitution"], rests.manifest["impact"]["restitution"], 1e-3)
+
+
+@pytest.mark.key("contact.obstacle.stiffness")
+def test_no_restitution_of_springs(simulate: Runner) -> None:
+    done = simulate(contact__obstacle=PLATE | {"mass": 3.0, "stiffness": 50.0}, time__end=1.2, **HIT)
+    assert done.manifest["impact"]["restitution"] is None and "an obstacle moves, and not freely" in done.stdout
