@@ -41,6 +41,39 @@ def saint_venant(*outs: Path) -> list[Figure]:
     return found
 
 
+def free_bar(*outs: Path) -> list[Figure]:
+    found = []
+    for mass, out in zip(HAMMERS, outs):
+        probe = table(out / "probes.csv")
+        hammer, bar = probe["hammer.velocity_x"][-1] / 0.01, probe["bar.momentum_x"][-1] / (0.05 * 0.01)
+        after = float(np.exp(-2 / mass))
+        t, force = probe["time"], probe["hammer.force_x"]
+        found += [
+            Figure(f"speed of the hammer afterwards, mass {mass}, v", "", after, hammer, 1e-2),
+            Figure(f"speed of the bar afterwards, mass {mass}, v", "", mass * (1 - after), bar, 5e-3),
+            Figure(f"contact lasts, mass {mass}, L/c", "", 2, float(t[np.flatnonzero(force > 0.05 * force.max())[-1]]), 2e-2),
+        ]
+    return found
+
+
+def swinging_plate(out: Path) -> list[Figure]:
+    mass, stiffness, damping, force = 2, 50, 2, 10
+    decay, omega = damping / (2 * mass), np.sqrt(stiffness / mass - (damping / (2 * mass)) ** 2)
+    probe, steps = table(out / "probes.csv"), table(out / "steps.csv")
+    t, q = probe["time"], -probe["plate.displacement_y"]
+    sag = force / stiffness
+    exact = sag * (1 - np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t)))
+    turn = int(np.argmax(q))
+    return [
+        Figure("largest displacement", "m", sag * (1 + np.exp(-np.pi * decay / omega)), float(q[turn]), 5e-3),
+        Figure("time of it", "s", np.pi / omega, float(t[turn]), 5e-3),
+        Figure("displacement over time, largest error / sag", "", 0, float(abs(q - exact).max() / sag), 5e-3),
+        Figure("dissipated by the dashpot / work of the force", "",
+               1 - stiffness * q[-1] / (2 * force) - mass * float(probe["plate.velocity_y"][-1]) ** 2 / (2 * force * q[-1]),
+               float(steps["rigid_dissipation"].sum() / (force * q[-1])), 1e-6),
+    ]  # fmt: skip
+
+
 def crossing(t: np.ndarray, values: np.ndarray) -> float:
     """The first time at which a quantity falls through zero, linear between steps."""
     i = int(np.flatnonzero((values[1:] <= 0) & (values[:-1] > 0))[0])
@@ -130,6 +163,21 @@ CASES = [
         """320 elements smear fronts over 0.1 L/c. The largest forces are those behind the fronts: quadratic polynomials times exp(−ρ c A t/m),
         fitted to the force from 0.1 L/c behind the front to the next one. The end is the zero of such a fit.""",
         saint_venant, tuple({"contact.obstacle.mass": 0.05 * mass, "time.end": end} for mass, end in zip(HAMMERS, (4.0, 5.0, 6.25, 8.0)))),
+    Case(
+        "free-bar", "A hammer strikes a free bar",
+        """A rigid hammer of 1, 2, 4 and 6 times the mass of an elastic bar strikes its end; the bar is free.""",
+        """The wave comes back from the free end after 2 L/c and takes the bar away: until then the speed of the hammer falls as
+        exp(−ρ c A t/m). The bar has what the hammer has lost, so that speeds afterwards are e^(−2 M/m) and m/M times the rest.""",
+        "closed form",
+        "The front that ends contact is smeared over some hundredths of L/c, which leaves 0.001 v to the hammer.",
+        free_bar, tuple({"contact.obstacle.mass": 0.05 * mass} for mass in HAMMERS)),
+    Case(
+        "swinging-plate", "A plate on a spring and a dashpot",
+        """A plate of 2 kg/m on a spring of 50 N/m/m and a dashpot of 2 N s/m/m is pushed by 10 N/m from t = 0 on.""",
+        """A damped oscillator: the plate swings about its sag F/k with ω = √(k/m − (c/2m)²).""",
+        "closed form",
+        "A step is a 250th of the period: the trapezoidal rule is slow by (ωτ)²/12.",
+        swinging_plate),
     Case(
         "cell-drop", "A mass falls on a spring",
         """A mass of 1 kg/m has a gap of 2 m and a speed of 1 m/s, g = 10 m/s², and falls on a load cell without mass: a spring of 100 N/m/m

@@ -199,7 +199,9 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
   add_part(A, 1, operators.foundation_A);
   operators.A = symmetric_half(A);
   operators.viscous = std::ranges::any_of(materials, &scene::Material::viscous);
-  if (operators.viscous || operators.foundation_B || operators.drag) {
+  const auto damped = [](const VirtualNode& node) { return node.damping != std::array<double, 3>{}; };
+  if (operators.viscous || operators.foundation_B || operators.drag ||
+      std::ranges::any_of(space.layout().virtual_nodes(), damped)) {
     const petsc::Matrix B = assemble(space, Form::b, body, no_tau, MATBAIJ);
     add_part(B, 1, operators.foundation_B);
     add_part(B, 1, operators.drag);

@@ -44,7 +44,7 @@ std::vector<int> component_numbers(const std::optional<std::vector<scene::Compon
 struct Operators {
   petsc::Matrix M;                       ///< form m: kg; in plane strain and plane stress kg/m
   petsc::Matrix A;                       ///< form a
-  std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
+  std::optional<petsc::Matrix> B;        ///< form b; absent if it is zero
   std::optional<petsc::Matrix> W;        ///< form L2; present only if requested (`densities`)
   std::optional<double> uniform_density; ///< density ρ with M = ρ W, kg/m³; absent if not uniform
 
