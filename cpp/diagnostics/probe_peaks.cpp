@@ -29,7 +29,7 @@ ProbePeaks::ProbePeaks(const scene::Scene& scene, const std::vector<std::string>
 }
 
 void ProbePeaks::observe(const step::TimeStep& step, std::span<const double> values) {
-  if (step.k == 0)
+  if (step.k == 0 || channels_.empty())
     return;
   lengths_.push_back(step.tau);
   ends_.push_back(step.end);

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
+#include "scene/targets.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -148,15 +149,24 @@ void require_obstacle(const Reader& in, const std::string& obstacle, const Scene
             fmt::format("found \"{}\"{}; choices: {}", obstacle, suggestion(obstacle, names), list(names)));
 }
 
+namespace {
+
+/// The obstacle of a name that exists.
+const Contact& named(const Scene& scene, const std::string& obstacle) {
+  return scene.contacts[static_cast<std::size_t>(obstacle_number(scene.contacts, obstacle))];
+}
+
+} // namespace
+
 void require_mass(const Reader& in, const std::string& obstacle, const Scene& scene) {
   require_obstacle(in, obstacle, scene);
-  if (!std::ranges::find(scene.contacts, obstacle, &Contact::name)->rigid)
+  if (!named(scene, obstacle).rigid)
     in.fail("obstacle",
             fmt::format("found \"{}\", which does not move freely; give this obstacle a mass", obstacle));
 }
 
 void require_inert(const Reader& in, const std::string& obstacle, const Scene& scene, const char* key) {
-  if (std::ranges::find(scene.contacts, obstacle, &Contact::name)->rigid->mass == 0)
+  if (named(scene, obstacle).rigid->mass == 0)
     in.fail(key,
             fmt::format("has no meaning for \"{}\", whose mass is 0: only its displacement is determined; "
                         "give a mass, or use the displacement",

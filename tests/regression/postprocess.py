@@ -471,7 +471,7 @@ def test_spectrum() -> None:
 
 @pytest.mark.parametrize("natural", (20.0, 80.0, 400.0))
 def test_shock_response(natural: float) -> None:
-    """Of half a sine of 10 ms, against the oscillator's equation solved in short steps by the exact flow of linear excitations."""
+    """Of half a sine of 10 ms, against the oscillator's equation solved in short steps by Runge and Kutta's method."""
     t = np.linspace(0, 0.05, 2501)
     a = np.where(t < 0.01, np.sin(np.pi * t / 0.01), 0)
     f, largest = shock.shock_response(t, np.stack([a, -2 * a], axis=1), per_octave=48)

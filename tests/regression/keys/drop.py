@@ -57,6 +57,52 @@ def test_end_of_a_bounce(tmp_path: Path, simulate: Runner) -> None:
     near(again.steps["kinetic_energy"], done.steps["kinetic_energy"])
 
 
+def test_bounce_on_an_edge(tmp_path: Path, simulate: Runner) -> None:
+    """The block turns and comes down on its other edge: the motion goes on until that touch is over too."""
+    n = np.array([0.25, 1]) / np.hypot(0.25, 1)
+    edge = {"contact__obstacle__normal": [0.25, 1], "load__gravity": list(-G * n), "material__young": 2e4,
+            "time__step": 2e-3, "material__viscosity": {"bulk": 1.0, "shear": 1.0}}  # fmt: skip
+    done = dropped(tmp_path, **edge, output=BODY)
+    long = simulate(**FALLS | edge | {"time__end": 0.2}, output=BODY)  # before its next fall
+    for run in (done, long):
+        touching = run.steps["active"] > 0
+        assert np.sum(np.diff(touching[1:].astype(int)) == 1) >= 1, "it touches once only: the case says nothing"
+        assert not touching[-1]
+    assert done.steps["time"][-1] < 0.2
+    assert done.manifest["impact"]["restitution"] == pytest.approx(long.manifest["impact"]["restitution"], rel=1e-12)
+
+
+def test_drop_of_a_vertex_on_the_axis(tmp_path: Path) -> None:
+    """In degree 2 the vertex on the axis is no candidate; the drop does not leave it inside of the floor."""
+    scene = tmp_path / "ball.toml"
+    scene.write_text(f'''
+[mesh]
+file = "{BLOCK.parent.parent.parent / "meshes" / "half-ball-section.geo"}"
+size = 4.0
+degree = 2
+model = "axisymmetric"
+[time]
+end = 1e-3
+step = 1e-4
+[material]
+density = 1.0
+young = 1e8
+poisson = 0.3
+[contact]
+on = "contact"
+obstacle = {{ shape = "half-space", point = [0, -20], normal = [0, 1] }}
+[load]
+gravity = [0, -10]
+[initial]
+drop = {{ height = 1.0 }}
+''')
+    done = Run(tmp_path, "simulate", scene, {})
+    tip = np.flatnonzero((done.points[:, 0] == 0) & (done.points[:, 1] == done.points[:, 1].min()))
+    y = done.points[tip, 1] + done.field("displacement")[0][tip, 1]
+    near(y, [-20.0], 1e-12)
+    assert done.start["gap"].min() > 0
+
+
 def test_bounce_that_does_not_end(tmp_path: Path) -> None:
     """A body that stays in contact ends with the time of an elastic bounce, and the program says so."""
     done = dropped(tmp_path, material__viscosity={"bulk": 50.0, "shear": 50.0})
