@@ -103,7 +103,7 @@ class RunFolder:
         """Outward normal of the obstacle if the scene has only one and it is a plane; else None."""
         if not self.has_contact or len(self.obstacle_names) > 1 or not self.obstacles[0].flat:
             return None
-        return normals(self.obstacles[0].points, self.obstacles[0].facets)[0]
+        return self.obstacles[0].normal[0] if self.has_pairs else normals(self.obstacles[0].points, self.obstacles[0].facets)[0]
 
     @cached_property
     def obstacle_steps(self) -> list[ObstacleSteps]:
@@ -127,7 +127,14 @@ class RunFolder:
         """Names of the obstacles: those that the scene gives, or numbers."""
         given = self.scene.get("contact", [])
         tables = given if isinstance(given, list) else [given]
-        return [table["obstacle"].get("name", f"obstacle {i}") for i, table in enumerate(tables, 1)]
+        return [f"{table['on']}/{table['against']}" if "against" in table else table["obstacle"].get("name", f"obstacle {i}")
+                for i, table in enumerate(tables, 1)]  # fmt: skip
+
+    @property
+    def has_pairs(self) -> bool:
+        """Whether parts of the body are in contact with each other."""
+        given = self.scene.get("contact", [])
+        return any("against" in table for table in (given if isinstance(given, list) else [given]))
 
     @property
     def has_contact(self) -> bool:
@@ -201,7 +208,10 @@ class RunFolder:
 
     @property
     def resultant(self) -> np.ndarray:
-        """Resultant of the contact forces at every time step (steps × dim), N or N/m (`whole`)."""
+        """Resultant of the contact forces at every time step (steps × dim), N or N/m (`whole`); of parts in contact with each other, of
+        the forces on the groups contact.on."""
+        if self.has_pairs:
+            return np.sum([one.resultant for one in self.obstacle_steps], axis=0)
         return np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
 
     @property

@@ -158,6 +158,11 @@ void require_estimable(const scene::Scene& scene, const char* option, const char
     throw UserError(fmt::format("{}: cannot be combined with contact.obstacle.mass, since the error estimate "
                                 "does not include the obstacle's motion; {}",
                                 option, instead));
+  if (scene.several_bodies())
+    throw UserError(
+        fmt::format("{}: cannot be combined with contact.against, since the error estimate does not "
+                    "include contact between parts; {}",
+                    option, instead));
   if (scene.frictional())
     throw UserError(fmt::format("{}: cannot be combined with contact.friction, since the error estimate does "
                                 "not include slip; {}",

@@ -18,7 +18,7 @@ std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   std::vector<Quantity> all;
   // In axial symmetry the force of a tube has no resultant.
   const auto radial = [&](const scene::Contact& contact) {
-    return scene.mesh.axisymmetric() && std::holds_alternative<scene::Cylinder>(contact.obstacle);
+    return scene.mesh.axisymmetric() && contact.meets_cylinder();
   };
   const auto add = [&](const std::string& end, const std::string& of, bool resultant) {
     if (resultant)
@@ -52,7 +52,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
   if (scene.contacts.empty())
     return all;
   std::ranges::move(contact_quantities(scene, dim), std::back_inserter(all));
-  const auto rests = [](const scene::Contact& contact) { return !scene::moves(contact.obstacle); };
+  const auto rests = [](const scene::Contact& contact) { return !scene::moves(contact); };
   if (std::ranges::all_of(scene.contacts, rests))
     all.push_back({"energy_loss", "energy lost in contact", "", false, true});
   if (scene.exact && scene.exact->pressure)

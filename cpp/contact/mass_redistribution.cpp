@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "contact/row_basis.h"
-#include "fem/coherence.h"
+#include "fem/surface.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <array>

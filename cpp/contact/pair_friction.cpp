@@ -73,7 +73,7 @@ void ContactPairs::obstacle_ways(double t0, double t1, std::span<double> way) co
   std::ranges::fill(way, 0);
   const auto dim = static_cast<std::size_t>(dim_);
   for (const std::size_t obstacle : moving_) {
-    const Obstacle::Place from = shapes_[obstacle].place(t0), to = shapes_[obstacle].place(t1);
+    const Obstacle::Place from = shapes_[obstacle]->place(t0), to = shapes_[obstacle]->place(t1);
     std::array<double, 3> motion{};
     for (std::size_t c = 0; c < dim; ++c)
       motion[c] = to.point[c] - from.point[c];

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
+#include <map>
 #include <utility>
 
 namespace signorini::contact {
@@ -74,15 +75,21 @@ void require_room(const ContactPairs& pairs, std::span<const double> psi, double
 
 ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
                            const std::vector<scene::Contact>& contacts, const scene::Time& time)
-    : dim_(space.dim()), diameter_(space.mesh().diameter()),
+    : dim_(space.dim()), axisymmetric_(space.mesh().axisymmetric()), diameter_(space.mesh().diameter()),
       gap_tolerance_(contact::gap_tolerance(diameter_)), comm_(space.comm()) {
   ++made;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     keys_.push_back(scene::contact_key(contacts, i));
+    names_.push_back(contacts[i].name);
     project_.push_back(contacts[i].initial == scene::ContactStart::project);
-    shapes_.emplace_back(contacts[i].obstacle, keys_.back() + ".obstacle", dim_, diameter_,
-                         space.mesh().axisymmetric());
-    if (shapes_.back().moves())
+    shapes_.emplace_back();
+    surfaces_.emplace_back();
+    if (contacts[i].against)
+      surfaces_.back().emplace(space, clamped, contacts[i], keys_.back());
+    else
+      shapes_.back().emplace(contacts[i].obstacle.value(), keys_.back() + ".obstacle", dim_, diameter_,
+                             space.mesh().axisymmetric());
+    if (shapes_.back() && shapes_.back()->moves())
       moving_.push_back(i);
     rigid_.emplace_back();
     if (contacts[i].rigid)
@@ -116,8 +123,8 @@ ContactPairs::NodeWork ContactPairs::node_work() const {
 
 ContactPairs::Gaps ContactPairs::gaps() const {
   std::vector<Obstacle::Place> place;
-  for (const Obstacle& shape : shapes_)
-    place.push_back(shape.place(0));
+  for (const std::optional<Obstacle>& shape : shapes_)
+    place.push_back(shape ? shape->place(0) : Obstacle::Place{});
   return {
       .psi = std::vector<double>(moving() ? psi_.size() : 0), .place = std::move(place), .node = node_work()};
 }
@@ -129,6 +136,8 @@ ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const 
   std::vector<std::int64_t> first;
   std::vector<int> kind; // for each: obstacle, free components
   for (std::size_t obstacle = 0; obstacle < contacts.size(); ++obstacle) {
+    if (surfaces_[obstacle])
+      continue;
     fem::require_area(space, contacts[obstacle].on, keys_[obstacle] + ".on");
     for (int node : space.nodes_on(contacts[obstacle].on, keys_[obstacle] + ".on", true)) {
       // On the axis a function of a vertex in degree 2 has no area, ∫ φ r dr = 0: a pressure exerts no force
@@ -153,6 +162,11 @@ ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const 
   std::vector<BoundaryNode> nodes;
   for (std::size_t i = 0; i < first.size(); ++i)
     nodes.push_back({{x[3 * i], x[3 * i + 1], x[3 * i + 2]}, first[i], kind[2 * i], kind[2 * i + 1]});
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    if (const SurfacePair* pair = surfaces(static_cast<int>(i)))
+      for (const MortarRow& row : pair->rows())
+        nodes.push_back({pair->node(row).x, pair->node(row).first_dof, static_cast<int>(i),
+                         pair->free_components(row), &row});
   // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
   const auto place = [&](double coordinate) { return std::llround(coordinate / gap_tolerance_); };
   std::ranges::sort(nodes, {}, [&](const BoundaryNode& node) {
@@ -171,7 +185,7 @@ std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNod
   std::vector<double> times(nodes.size()), before(nodes.size()),
       least(nodes.size(), std::numeric_limits<double>::infinity());
   for (std::size_t obstacle : moving_) {
-    const Obstacle& shape = shapes_[obstacle];
+    const Obstacle& shape = *shapes_[obstacle];
     const int steps = time.automatic() ? looks : time.steps;
     const double step = time.automatic() ? time.end / looks : time.step;
     for (int k = 0; shape.curved() && k <= steps; ++k) {
@@ -205,8 +219,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    const Obstacle& shape = shapes_[obstacle];
-    const Obstacle::Plane plane = shape.at(node.x.data(), shape.place(meeting[number]));
+    const Obstacle::Plane plane = plane_of(node, meeting[number]);
     ConstraintRows::Group group;
     double free = 0;
     for (int c = 0; c < dim_; ++c) { // ν points into the obstacle, the obstacle's normal out of it
@@ -225,13 +238,13 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       group.law = contacts[obstacle].bound ? static_cast<const Law*>(&tresca) : &coulomb;
       add_tangents(node, group);
     }
-    if (rigid_[obstacle])
-      append_rigid(node, group);
+    append_opposite(node, group);
     groups.push_back(std::move(group));
     points_.insert(points_.end(), node.x.begin(), node.x.end());
-    psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
+    psi_.push_back(meeting[number] == 0 ? plane.height : plane_of(node, 0).height);
     first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
     obstacles_.push_back(node.obstacle);
+    mortar_.push_back(node.row);
     ++candidates[obstacle];
   }
   for (std::vector<PetscInt>& dofs : clamped_dofs_)
@@ -245,6 +258,21 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
   rows_.emplace(comm_, groups, space.first_dof(), end);
+  if (!rows_->symmetric()) {
+    friction_at_start_.resize(psi_.size());
+    evaluate_friction(0, friction_at_start_);
+  }
+  on_all_ranks(comm_, [&] { refuse_common_nodes(); });
+}
+
+Obstacle::Plane ContactPairs::plane_of(const BoundaryNode& node, double meeting) const {
+  if (node.row)
+    return {.normal = {-node.row->nu[0], -node.row->nu[1], -node.row->nu[2]}, .height = node.row->gap};
+  const Obstacle& shape = *shapes_[static_cast<std::size_t>(node.obstacle)];
+  return shape.at(node.x.data(), shape.place(meeting));
+}
+
+void ContactPairs::refuse_common_nodes() const {
   const auto refuse_several = [&](const auto& alone, const char* key, const char* reason) {
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       for (int i = node.first; node.last - node.first > 1 && i < node.last; ++i)
@@ -253,14 +281,9 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
               fmt::format("{}.{}: the node at {} is a candidate of {}; choose groups without common nodes",
                           keys_[obstacles_[i]], key, shown(*this, i), reason));
   };
-  on_all_ranks(comm_, [&] {
-    refuse_several(rigid_, "on", "another obstacle too, which obstacles with mass do not permit");
-  });
-  if (rows_->symmetric())
-    return;
-  friction_at_start_.resize(psi_.size());
-  evaluate_friction(0, friction_at_start_);
-  on_all_ranks(comm_, [&] {
+  refuse_several(rigid_, "on", "another obstacle too, which obstacles with mass do not permit");
+  refuse_several(surfaces_, "on", "another contact too, which contact.against does not permit");
+  if (std::ranges::any_of(friction_, [](const auto& friction) { return friction.has_value(); })) {
     refuse_several(friction_, "friction", "several obstacles, where friction is not possible");
     for (const ConstraintRows::Cluster& node : rows_->clusters())
       if (node.dependent)
@@ -268,7 +291,19 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
             "contact: the normals of the obstacles at the node at {} depend on each other, which friction "
             "does not permit; choose groups without common nodes",
             shown(*this, node.first)));
-  });
+  }
+  std::map<PetscInt, int> candidate; // by the first dof of its node
+  for (int i = 0; i < count(); ++i)
+    candidate[first_dofs_[i]] = i;
+  for (std::size_t number = 0; number < surfaces_.size(); ++number)
+    if (surfaces_[number])
+      for (const PetscInt dof : surfaces_[number]->master_dofs())
+        if (const auto found = candidate.find(dof); found != candidate.end())
+          throw UserError(fmt::format(
+              "{}.against: the node at {} is a candidate of \"{}\" and opposite candidates of \"{}\"; choose "
+              "groups without common nodes, or another slave side",
+              keys_[number], shown(*this, found->second),
+              names_[static_cast<std::size_t>(obstacles_[found->second])], names_[number]));
 }
 
 void ContactPairs::set_rigid_velocities(Vec v) const {
@@ -277,13 +312,16 @@ void ContactPairs::set_rigid_velocities(Vec v) const {
       motion->set_velocity(v);
 }
 
-void ContactPairs::append_rigid(const BoundaryNode& node, ConstraintRows::Group& group) const {
-  const RigidMotion& motion = *rigid_[static_cast<std::size_t>(node.obstacle)];
+void ContactPairs::append_opposite(const BoundaryNode& node, ConstraintRows::Group& group) const {
+  const RigidMotion* motion = rigid(node.obstacle);
   const auto append = [&](std::vector<ConstraintRows::Entry>& row) {
     std::vector<double> direction;
     for (const ConstraintRows::Entry& entry : row)
       direction.push_back(entry.coefficient);
-    motion.append(node.x.data(), direction, row);
+    if (motion)
+      motion->append(node.x.data(), direction, row);
+    if (node.row)
+      surfaces(node.obstacle)->append(*node.row, direction, row);
   };
   append(group.entries);
   for (std::vector<ConstraintRows::Entry>& row : group.others)
@@ -293,8 +331,14 @@ void ContactPairs::append_rigid(const BoundaryNode& node, ConstraintRows::Group&
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
   Rates rates{.psi = std::vector<double>(m), .rows = {}};
+  if (const SurfacePair* pair = surfaces(obstacle)) {
+    for (std::size_t i = 0; i < m; ++i)
+      if (obstacles_[i] == obstacle)
+        rates.psi[i] = rate.height * pair->height_rate(*mortar_[i]);
+    return rates;
+  }
   std::vector<double> coefficients; // of the rows
-  const Obstacle& shape = shapes_[obstacle];
+  const Obstacle& shape = *shapes_[obstacle];
   const Obstacle::Place place = shape.place(0);
   bool turns = false;
   for (std::size_t i = 0; i < m; ++i) {
@@ -310,6 +354,8 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
     std::vector<ConstraintRows::Entry> of_rigid;
     if (const RigidMotion* motion = rigid(obstacles_[i]))
       motion->append(&points_[3 * i], turned, of_rigid);
+    if (mortar_[i])
+      surfaces(obstacles_[i])->append(*mortar_[i], turned, of_rigid);
     coefficients.insert(coefficients.end(), turned.begin(), turned.end());
     for (const ConstraintRows::Entry& entry : of_rigid)
       coefficients.push_back(entry.coefficient);
@@ -320,9 +366,9 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
 }
 
 void ContactPairs::set_time(int obstacle, const scene::ObstacleRate& rate, double t, Rates& rates) const {
-  const Obstacle& shape = shapes_[obstacle];
-  if (!shape.moves())
+  if (!shapes_[obstacle] || !shapes_[obstacle]->moves())
     return;
+  const Obstacle& shape = *shapes_[obstacle];
   const Obstacle::Place place = shape.place(t);
   for (std::size_t i = 0; i < rates.psi.size(); ++i)
     if (obstacles_[i] == obstacle)
@@ -333,11 +379,11 @@ std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {
   if (!moving())
     return psi_;
   for (std::size_t obstacle : moving_)
-    gaps.place[obstacle] = shapes_[obstacle].place(t);
+    gaps.place[obstacle] = shapes_[obstacle]->place(t);
   for (std::size_t i = 0; i < psi_.size(); ++i) {
-    const auto obstacle = static_cast<std::size_t>(obstacles_[i]);
-    gaps.psi[i] = shapes_[obstacle].moves()
-                      ? shapes_[obstacle].at(&points_[3 * i], gaps.place[obstacle]).height
+    const Obstacle* shape = obstacle(static_cast<int>(i));
+    gaps.psi[i] = shape && shape->moves()
+                      ? shape->at(&points_[3 * i], gaps.place[static_cast<std::size_t>(obstacles_[i])]).height
                       : psi_[i];
   }
   require_room(*this, gaps.psi, t, gaps.node);
@@ -349,7 +395,7 @@ ContactPairs::Depth ContactPairs::deepest_on_axis(Vec y, double t) const {
   {
     const petsc::ReadArray values(y);
     for (const AxisNode& node : axis_nodes_) {
-      const Obstacle& shape = shapes_[static_cast<std::size_t>(node.obstacle)];
+      const Obstacle& shape = *shapes_[static_cast<std::size_t>(node.obstacle)];
       std::array<double, 3> x = node.x;
       x[1] += values[static_cast<std::size_t>(node.local_dof) + 1];
       if (const double depth = shape.depth(x.data(), shape.place(t)); depth > mine[0].depth)
@@ -383,6 +429,11 @@ void place_outside(const ContactPairs& pairs, Vec y) {
         ++all;
         inside += g[i] < -allowed;
       }
+    if (pairs.surfaces(obstacles[deepest]))
+      throw UserError(fmt::format(
+          "{}: the node at {} starts {:.6g} m inside the other part, as do {} of {} candidates. Move a part, "
+          "or set contact.initial = \"project\", which moves such nodes out",
+          pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest], inside, all));
     // A reversed normal puts bodies deep inside; a face with otherwise rounded coordinates does not.
     constexpr double shallow = 1e-3; // part of the body's diameter
     const bool slight = -g[deepest] < shallow * pairs.diameter();
@@ -397,8 +448,14 @@ void place_outside(const ContactPairs& pairs, Vec y) {
                     pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest],
                     inside == all && all > 1 ? fmt::format(", as do all {} candidates", all) : "", cure));
   }
+  std::vector<int> slaves; // inside the other part; they alone move
   on_all_ranks(pairs.comm(), [&] {
     for (const ConstraintRows::Cluster& here : pairs.rows().clusters()) {
+      if (pairs.mortar_row(here.first)) {
+        if (g[here.first] < -allowed)
+          slaves.push_back(here.first);
+        continue;
+      }
       if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),
                       [&](double depth) { return depth >= -allowed; }))
         continue;
@@ -410,6 +467,7 @@ void place_outside(const ContactPairs& pairs, Vec y) {
     }
   });
   pairs.rows().apply(-1, forces, y);
+  pairs.rows().prescribe(slaves, pairs.psi(), y);
 }
 
 } // namespace signorini::contact

@@ -5,6 +5,7 @@
 #include "contact/lcp/goldfarb_idnani.h"
 #include "contact/obstacle.h"
 #include "contact/rigid_body.h"
+#include "contact/surface_pair.h"
 #include "fem/operators.h"
 #include <memory>
 #include <optional>
@@ -14,7 +15,9 @@ namespace signorini::contact {
 
 /// The m contact pairs (candidates), each of a node and an obstacle, with their linearised nonpenetration
 /// constraints g_i(y) = ψ_i − ν_i·y_i ≥ 0 (docs/method.md section 2). There is one pair for each obstacle and
-/// each node of its contact boundary that can move towards the obstacle; a node may be in several pairs.
+/// each node of its contact boundary that can move towards the obstacle; a node may be in several pairs. With
+/// contact.against another surface of the body is in the place of the obstacle, and a pair is a slave node
+/// with the master nodes opposite it.
 /// Pairs are numbered by their nodes' coordinates, then by obstacle, so that the numbering does not depend on
 /// the number of ranks. All arrays over pairs are the same on every rank.
 class ContactPairs {
@@ -93,10 +96,26 @@ public:
   /// Whether any obstacle moves as the scene prescribes.
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
 
-  /// Obstacle of pair i.
-  [[nodiscard]] const Obstacle& obstacle(int i) const { return shapes_[obstacles_[i]]; }
-  /// Obstacle with this number in the scene.
-  [[nodiscard]] const Obstacle& shape(int obstacle) const { return shapes_[obstacle]; }
+  /// Obstacle of pair i; null with contact.against.
+  [[nodiscard]] const Obstacle* obstacle(int i) const { return shape(obstacles_[i]); }
+  /// Obstacle with this number in the scene; null with contact.against.
+  [[nodiscard]] const Obstacle* shape(int obstacle) const {
+    const std::optional<Obstacle>& shape = shapes_[static_cast<std::size_t>(obstacle)];
+    return shape ? &*shape : nullptr;
+  }
+  /// The two surfaces of a contact (number in the scene) with contact.against; null for an obstacle.
+  [[nodiscard]] const SurfacePair* surfaces(int obstacle) const {
+    const std::optional<SurfacePair>& pair = surfaces_[static_cast<std::size_t>(obstacle)];
+    return pair ? &*pair : nullptr;
+  }
+  /// Row of pair i of two surfaces; null for an obstacle.
+  [[nodiscard]] const MortarRow* mortar_row(int i) const { return mortar_[static_cast<std::size_t>(i)]; }
+  /// Factor of the forces on a contact's candidates in those on the group `contact.on`: −1 if the candidates
+  /// are on the side `against`, else 1.
+  [[nodiscard]] double side(int obstacle) const {
+    const SurfacePair* pair = surfaces(obstacle);
+    return pair && pair->slave_side() == scene::ContactSide::against ? -1 : 1;
+  }
   /// Number of obstacles in the scene.
   [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }
   /// For each pair, the number of its obstacle in the scene (m entries).
@@ -139,6 +158,8 @@ public:
   /// Largest penetration accepted, in metres: 1e-10 times diameter().
   [[nodiscard]] double gap_tolerance() const { return gap_tolerance_; }
   [[nodiscard]] int dim() const { return dim_; }
+  /// Whether the bodies are bodies of revolution.
+  [[nodiscard]] bool axisymmetric() const { return axisymmetric_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
 
 private:
@@ -147,14 +168,20 @@ private:
     std::array<double, 3> x;
     std::int64_t first_dof;
     int obstacle, free_components;
+    const MortarRow* row = nullptr; ///< of a slave node
   };
+  /// Normal out of the obstacle and gap of a node's pair at the time when its direction is computed.
+  [[nodiscard]] Obstacle::Plane plane_of(const BoundaryNode& node, double meeting) const;
+  /// Throws UserError if a node is a candidate or a master node of several contacts in a way that is not
+  /// possible.
+  void refuse_common_nodes() const;
   /// Boundary nodes of all ranks, in the order in which their pairs are numbered. Collective.
   [[nodiscard]] std::vector<BoundaryNode> boundary_nodes(const std::vector<scene::Contact>& contacts,
                                                          const fem::Space& space,
                                                          const fem::DirichletDofs& clamped);
-  /// Appends the motion of an obstacle with mass to the rows of its pair `group`, which has the entries of
-  /// the node alone.
-  void append_rigid(const BoundaryNode& node, ConstraintRows::Group& group) const;
+  /// Appends the motion of an obstacle with mass or of master nodes to the rows of a pair `group`, which has
+  /// the entries of the candidate's node alone.
+  void append_opposite(const BoundaryNode& node, ConstraintRows::Group& group) const;
   /// Adds the tangential rows of a pair whose normal row `group` has. Components that are clamped as a whole
   /// are left out. Throws UserError if a clamp holds a tangent in part.
   void add_tangents(const BoundaryNode& node, ConstraintRows::Group& group) const;
@@ -170,12 +197,14 @@ private:
                                                      const scene::Time& time) const;
 
   int dim_;
+  bool axisymmetric_;
   double diameter_, gap_tolerance_;
   MPI_Comm comm_;
-  std::vector<std::string> keys_;
+  std::vector<std::string> keys_, names_; ///< of each contact
   std::vector<bool> project_; ///< for each obstacle: whether contact.initial moves nodes out of it
-  std::vector<Obstacle> shapes_;
-  std::vector<std::optional<RigidMotion>> rigid_; ///< of each obstacle; absent without mass
+  std::vector<std::optional<Obstacle>> shapes_;      ///< of each contact; absent with contact.against
+  std::vector<std::optional<SurfacePair>> surfaces_; ///< of each contact; absent with an obstacle
+  std::vector<std::optional<RigidMotion>> rigid_;    ///< of each obstacle; absent without mass
   /// Coefficient or bound of friction, and surface velocity, of each obstacle; absent without friction or
   /// motion.
   std::vector<std::optional<scene::Field>> friction_, surface_velocity_;
@@ -188,6 +217,7 @@ private:
   std::vector<double> points_, normals_, psi_;
   std::vector<PetscInt> first_dofs_;
   std::vector<int> obstacles_, local_;
+  std::vector<const MortarRow*> mortar_; ///< row of each pair of surfaces, else null (m entries)
   /// Node on the axis that is no candidate, on the rank that owns it.
   struct AxisNode {
     std::array<double, 3> x;

@@ -78,9 +78,13 @@ std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pai
                                 const std::vector<scene::Contact>& contacts) {
   std::vector<double> areas(static_cast<std::size_t>(pairs.count()), 0.0);
   for (int i = 0; i < pairs.obstacle_count(); ++i)
-    std::ranges::transform(areas, shares(space, pairs, contacts[i].on, i), areas.begin(), std::plus<>());
+    if (!pairs.surfaces(i))
+      std::ranges::transform(areas, shares(space, pairs, contacts[i].on, i), areas.begin(), std::plus<>());
   MPI_Allreduce(MPI_IN_PLACE, areas.data(), static_cast<int>(areas.size()), MPI_DOUBLE, MPI_SUM,
                 space.comm());
+  for (std::size_t i = 0; i < areas.size(); ++i)
+    if (const MortarRow* row = pairs.mortar_row(static_cast<int>(i)))
+      areas[i] = row->area;
   return areas;
 }
 
@@ -122,7 +126,7 @@ void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, con
             edge.ends[static_cast<std::size_t>(end)] < 0 && node >= 0 && node < space.owned_nodes() &&
             space.on_axis(static_cast<int>(node)))
           axis_.emplace_back(static_cast<int>(node), edge.ends[static_cast<std::size_t>(1 - end)]);
-      if (pairs.shape(obstacle).axisymmetric()) // the other end takes the share of the axis
+      if (space.mesh().axisymmetric()) // the other end takes the share of the axis
         edge.ends = {edge.ends[edge.ends[0] < 0 ? 1 : 0], edge.ends[edge.ends[1] < 0 ? 0 : 1]};
       edges_.push_back(edge);
     }

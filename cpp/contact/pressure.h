@@ -7,7 +7,8 @@
 namespace signorini::contact {
 
 /// Returns ∫ φ_i over its obstacle's contact surface for each candidate (m entries), in m in the plane, m² in
-/// axial symmetry and in space. Of degree 2 in space it vanishes at vertices. Collective.
+/// axial symmetry and in space; with contact.against over the part that the other surface covers. Of degree 2
+/// in space it vanishes at vertices. Collective.
 [[nodiscard]] std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pairs,
                                               const std::vector<scene::Contact>& contacts);
 

@@ -30,7 +30,7 @@ std::vector<double> mass_center(const scene::Contact& contact) {
                 [](const scene::Ball& ball) { return values_at_start(ball.center, "center"); },
                 [](const scene::Cylinder& cylinder) { return values_at_start(cylinder.point, "point"); },
                 [](const scene::SignedDistance&) { return std::vector<double>(3); }},
-      contact.obstacle);
+      contact.obstacle.value());
 }
 
 } // namespace

@@ -72,7 +72,7 @@ StepBalance Balance::operator()(const trajectory::Frame& frame) {
   if (frame.step.k > 0)
     now.load_work = add_step(frame, sums);
   if (frame.step.k > 0 && stepper_.operators().surrounded())
-    add_surroundings(frame, sums);
+    add_surroundings(sums);
   sums.add_up(stepper_.space().comm());
   now.kinetic_energy = sums.kinetic / 2;
   now.rigid_energy = sums.rigid / 2;
@@ -255,7 +255,7 @@ void Balance::add_friction(const trajectory::Frame& frame, StepBalance& now) {
   }
 }
 
-void Balance::add_surroundings(const trajectory::Frame& frame, Sums& sums) {
+void Balance::add_surroundings(Sums& sums) {
   const fem::Operators& body = stepper_.operators();
   if (body.foundation_B)
     check(MatMult(body.foundation_B, w_, dashpots_));

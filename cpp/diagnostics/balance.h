@@ -64,6 +64,10 @@ public:
   /// Collective.
   StepBalance operator()(const trajectory::Frame& frame);
 
+  /// Momenta M v and elastic forces A y of the nodes in the last frame, vectors of V.
+  [[nodiscard]] Vec momenta() const { return Mv1_; }
+  [[nodiscard]] Vec elastic_forces() const { return Ay1_; }
+
   /// Returns the forces of the clamps on the body in the last frame's step, on the clamped dofs; entries of
   /// other dofs have no meaning. Null unless Wanted::reactions is set; zero in frame 0.
   [[nodiscard]] Vec reactions() const { return reactions_ ? Vec(defect_) : nullptr; }
@@ -86,8 +90,9 @@ private:
   void add_branches(const trajectory::Frame& frame, Sums& sums);
   /// Sets the works of friction in the frame's step.
   void add_friction(const trajectory::Frame& frame, StepBalance& now);
-  /// Adds the forces and the dissipation of foundations and drag in the frame's step to `sums`. Collective.
-  void add_surroundings(const trajectory::Frame& frame, Sums& sums);
+  /// Adds the forces and the dissipation of foundations and drag in the last frame's step to `sums`.
+  /// Collective.
+  void add_surroundings(Sums& sums);
 
   const step::Stepper& stepper_;
   bool reactions_;

@@ -3,6 +3,7 @@
 #include "diagnostics/plausibility.h"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace signorini::diagnostics {
 namespace {
@@ -31,8 +32,27 @@ std::array<bool, 3> free_components(const step::Stepper& stepper) {
 
 } // namespace
 
-ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), free_(free_components(stepper)),
+std::optional<ImpactSummary::Two> ImpactSummary::two_bodies(const scene::Contact& contact,
+                                                            const Bodies& bodies) {
+  Two two{.body = bodies.of_group(contact.on, "contact.on"),
+          .other = bodies.of_group(*contact.against, "contact.against"),
+          .fixed = false,
+          .side = 1};
+  if (two.body < 0 || two.other < 0 || two.body == two.other)
+    return std::nullopt;
+  const auto held = [&](int body) {
+    return std::ranges::any_of(bodies.all()[static_cast<std::size_t>(body)].clamped, std::identity());
+  };
+  if (held(two.body) && !held(two.other)) {
+    std::swap(two.body, two.other);
+    two.side = -1;
+  }
+  two.fixed = held(two.other);
+  return two;
+}
+
+ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene, const Bodies* bodies)
+    : stepper_(stepper), bodies_(bodies), free_(free_components(stepper)),
       moving_(stepper.pairs() && stepper.pairs()->moving()),
       last_(scene.contacts.size() + 1, Last{.open = least_open}), records_(last_.size()) {
   const BodyFigures figures = body_figures(stepper, scene);
@@ -43,6 +63,17 @@ ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& s
   };
   if (scene.contacts.size() == 1 && scene.contacts.front().rigid && flies(*scene.contacts.front().rigid))
     flies_ = stepper.pairs()->rigid(0);
+  if (bodies && scene.contacts.size() == 1)
+    two_ = two_bodies(scene.contacts.front(), *bodies);
+  if (two_) {
+    const Bodies::Body& body = bodies->all()[static_cast<std::size_t>(two_->body)];
+    impact_.mass = body.mass;
+    impact_.body = body.name;
+    impact_.other = bodies->all()[static_cast<std::size_t>(two_->other)].name;
+    for (std::size_t c = 0; c < 3; ++c)
+      free_[c] = c < static_cast<std::size_t>(stepper.space().dim()) && stepper.space().translates(c) &&
+                 !body.clamped[c];
+  }
   for (const scene::Contact& contact : scene.contacts)
     impact_.obstacles.push_back({.name = contact.name});
 }
@@ -54,11 +85,14 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   energy_.foundation_at_end = balance.foundation_energy;
   energy_.relaxation_at_end = balance.relaxation_energy;
   energy_.rigid_at_end = balance.rigid_energy;
-  const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
+  const std::array<double, 3> before = std::exchange(momentum_, body_momentum(balance));
   now_ = frame.step.end;
-  const Velocity obstacle_before = obstacle_velocity_;
-  if (flies_)
-    obstacle_velocity_ = flies_->place(frame.after.v()).translation;
+  for (std::size_t i = 0; frame.step.k == 0 && bodies_ && i < bodies_->all().size(); ++i) {
+    const Bodies::Body& body = bodies_->all()[i];
+    impact_.bodies.push_back(
+        {.name = body.name, .mass = body.mass, .at_start = bodies_->velocity(static_cast<int>(i))});
+  }
+  const Velocity obstacle_before = std::exchange(obstacle_velocity_, velocity_of_other(frame));
   const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
       touch.least_gap = now.min_gap;
@@ -90,7 +124,7 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
     return;
   const bool pushed = forces.all().normal_force > 0;
   if (pushed)
-    rebound(frame, forces.all(), before, balance.momentum, obstacle_before);
+    rebound(frame, forces.all(), before, momentum_, obstacle_before);
   open_steps_ = pushed || forces.all().active > 0 ? 0 : open_steps_ + 1;
   parted_ = !pushed && (parted_ || open_steps_ >= least_open);
   for (std::size_t i = 0; i < forces.each().size(); ++i)
@@ -98,6 +132,18 @@ void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& b
   take(frame, forces.all(), impact_.all, last_.back());
   for (std::size_t i = 0; i < records_.size(); ++i)
     records_[i].add(frame.step.end, last_[i].normal_force);
+}
+
+std::array<double, 3> ImpactSummary::body_momentum(const StepBalance& balance) const {
+  return two_ ? bodies_->motions()[static_cast<std::size_t>(two_->body)].momentum : balance.momentum;
+}
+
+ImpactSummary::Velocity ImpactSummary::velocity_of_other(const trajectory::Frame& frame) const {
+  if (flies_)
+    return flies_->place(frame.after.v()).translation;
+  if (two_ && !two_->fixed)
+    return bodies_->velocity(two_->other);
+  return std::nullopt;
 }
 
 void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce& now,
@@ -121,6 +167,9 @@ void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce&
     one->obstacle_after = obstacle_velocity_;
     one->impulse = now.impulse;
     one->friction_impulse = now.friction_impulse;
+    for (std::array<double, 3>* impulse : {&one->impulse, &one->friction_impulse})
+      for (double& component : *impulse)
+        component *= two_ ? two_->side : 1; // on the body
   }
   for (std::size_t c = 0; c < 3; ++c) {
     touch.impulse[c] -= impulse_[c];
@@ -176,6 +225,8 @@ std::optional<Impact> ImpactSummary::impact() const {
   sum_up(records_.back(), impact.all);
   impact.ended = open_steps_ >= least_open;
   impact.no_restitution = no_restitution_reason();
+  for (std::size_t i = 0; i < impact.bodies.size(); ++i)
+    impact.bodies[i].at_end = bodies_->velocity(static_cast<int>(i));
   impact.whole.touches = static_cast<int>(touches_.size());
   impact.bounces = bounces();
   if (!impact.no_restitution.empty())
@@ -265,6 +316,8 @@ std::string ImpactSummary::no_restitution_reason() const {
     return "a foundation acts on the body";
   if (stepper_.operators().drag)
     return "mass damping acts on the body";
+  if (bodies_ && !two_)
+    return "several bodies touch";
   if (moving_ || (!stepper_.space().layout().virtual_nodes().empty() && !flies_))
     return "an obstacle moves, and not freely";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"

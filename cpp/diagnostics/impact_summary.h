@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "diagnostics/balance.h"
+#include "diagnostics/bodies.h"
 #include "diagnostics/contact_forces.h"
 #include "trajectory/impulse_record.h"
 #include <array>
@@ -62,13 +63,24 @@ struct Rebound {
   }
 };
 
-/// Motion of the body as a whole before and after contact.
+/// Motion of one of several bodies in contact with each other.
+struct BodyImpact {
+  std::string name;
+  double mass = 0;                            ///< kg; in plane strain and plane stress kg/m
+  std::array<double, 3> at_start{}, at_end{}; ///< velocity of the centre of mass, m/s
+};
+
+/// Motion of the body as a whole before and after contact. Of two bodies in contact with each other it is the
+/// one with the group contact.on, unless clamps hold it and not the other one.
 struct Impact {
-  double mass = 0;              ///< mass of the body, kg; in plane strain and plane stress kg/m
-  std::vector<Touch> obstacles; ///< contact with each obstacle
-  Touch all;                    ///< contact with all obstacles together
-  bool ended = false;           ///< whether no candidate was in contact in the last two steps
-  Rebound whole;                ///< effect of contact, from the first force to the last
+  double mass = 0;                    ///< mass of the body, kg; in plane strain and plane stress kg/m
+  std::string body;                   ///< name of the body; empty unless several bodies are in contact
+  std::string other = "the obstacle"; ///< what restitution is relative to, if that moves
+  std::vector<BodyImpact> bodies;     ///< all bodies, if several are in contact with each other
+  std::vector<Touch> obstacles;       ///< contact with each obstacle
+  Touch all;                          ///< contact with all obstacles together
+  bool ended = false;                 ///< whether no candidate was in contact in the last two steps
+  Rebound whole;                      ///< effect of contact, from the first force to the last
   std::vector<Rebound> bounces; ///< effect of each bounce (one touch, or several without flight between)
   std::string no_restitution;   ///< reason why `whole` has no restitution; empty if it has one
 
@@ -100,8 +112,9 @@ struct EnergyAccount {
 /// Sums up energies and contact of a motion frame by frame.
 class ImpactSummary {
 public:
-  /// Prepares the summary. Collective. The references must outlive this object.
-  ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene);
+  /// Prepares the summary. `bodies`: observed before this object; null unless parts of the body are in
+  /// contact. Collective. The references must outlive this object.
+  ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene, const Bodies* bodies = nullptr);
 
   /// Takes the next frame with its balance and contact forces; frames are passed in order, from frame 0 on.
   /// Collective.
@@ -150,7 +163,21 @@ private:
   [[nodiscard]] double along(const std::array<double, 3>& velocity, const std::array<double, 3>& impulse,
                              const Velocity& obstacle = {}) const;
 
+  /// The two bodies of the only contact of a scene.
+  struct Two {
+    int body, other; ///< the body whose motion is summarised, and the one that it hits
+    bool fixed;      ///< whether a clamp holds the other body
+    double side;     ///< factor of forces on contact.on in forces on the body, ±1
+  };
+  /// Returns the two bodies of the contact; nothing if a group is on several bodies. Collective.
+  [[nodiscard]] static std::optional<Two> two_bodies(const scene::Contact& contact, const Bodies& bodies);
+  /// Returns the momentum of the body, kg m/s, and the velocity of the obstacle or of the other body, m/s.
+  [[nodiscard]] std::array<double, 3> body_momentum(const StepBalance& balance) const;
+  [[nodiscard]] Velocity velocity_of_other(const trajectory::Frame& frame) const;
+
   const step::Stepper& stepper_;
+  const Bodies* bodies_;       ///< null unless parts of the body are in contact
+  std::optional<Two> two_;     ///< absent unless the scene has one contact, between two bodies
   std::array<bool, 3> free_{}; ///< components without clamps
   bool moving_;
   const contact::RigidMotion* flies_ = nullptr; ///< the only obstacle, if it has mass and flies freely

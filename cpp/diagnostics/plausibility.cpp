@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "fem/coherence.h"
 #include "fem/deformation.h"
+#include "fem/surface.h"
 #include "fem/wave_time.h"
 #include "step/functionals.h"
 #include "step/point_force.h"
@@ -111,8 +112,8 @@ void Plausibility::check_contact(Vec y, double t) {
     const std::span<const double> all = values;
     for (int i = 0; i < pairs.count(); ++i) {
       const double* moved = pairs.displacement(i, all);
-      const contact::Obstacle& obstacle = pairs.obstacle(i);
-      if (!moved || !obstacle.curved())
+      const contact::Obstacle* obstacle = pairs.obstacle(i);
+      if (!moved || !obstacle || !obstacle->curved())
         continue;
       const auto candidate = static_cast<std::size_t>(i);
       const double* x = &pairs.points()[3 * candidate];
@@ -131,14 +132,14 @@ void Plausibility::check_contact(Vec y, double t) {
       double distance = 0;
       const contact::Obstacle::Place& now = psi_->place[number];
       try {
-        distance = obstacle.at(place.data(), now).height;
+        distance = obstacle->at(place.data(), now).height;
       } catch (const UserError&) { // no direction leads out of the obstacle: the node is deep inside
         distance = gaps_[candidate] - std::sqrt(square);
       }
       // Where neither distance shows contact, their difference has no effect.
       if (std::min(gaps_[candidate], distance) > pairs.gap_tolerance())
         continue;
-      const std::array<double, 3> r = obstacle.from_middle(place.data(), now);
+      const std::array<double, 3> r = obstacle->from_middle(place.data(), now);
       const double normal = std::inner_product(nu, nu + dim, r.begin(), 0.0),
                    along = std::sqrt(std::max(0.0, std::inner_product(r.begin(), r.end(), r.begin(), 0.0) -
                                                        normal * normal)),
@@ -188,7 +189,9 @@ int Plausibility::forces_on_clamps() const {
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
   const fem::Space& space = stepper_.space();
   const int parts = fem::connected_parts(space).count;
-  if (parts > 1)
+  const auto pairs = std::ranges::count_if(scene_.contacts,
+                                           [](const scene::Contact& one) { return one.against.has_value(); });
+  if (parts > 1 + pairs) // fewer contacts than would connect all parts
     warnings.push_back(
         {"parts of the mesh",
          fmt::format("the mesh consists of {} parts that share no node; each part moves independently of the "
@@ -356,11 +359,13 @@ void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& war
     if (number < next)
       continue;
     next = number + 1;
-    const contact::Obstacle& obstacle = pairs->obstacle(i);
-    const contact::Obstacle::Place place = obstacle.place(0);
+    const contact::Obstacle* obstacle = pairs->obstacle(i);
+    if (!obstacle)
+      continue;
+    const contact::Obstacle::Place place = obstacle->place(0);
     std::array<std::int64_t, 2> nodes{0, static_cast<std::int64_t>(x.size() / 3)}; // inside, all
     for (std::size_t node = 0; 3 * node < x.size(); ++node)
-      nodes[0] += obstacle.level(&x[3 * node], place) < -pairs->gap_tolerance();
+      nodes[0] += obstacle->level(&x[3 * node], place) < -pairs->gap_tolerance();
     MPI_Allreduce(MPI_IN_PLACE, nodes.data(), 2, MPI_INT64_T, MPI_SUM, stepper.space().comm());
     if (2 * nodes[0] > nodes[1])
       warnings.push_back(fmt::format(

@@ -96,7 +96,7 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
   const bool plane = pairs.dim() == 2;
   const double x = pairs.points()[3 * static_cast<std::size_t>(candidate)];
-  const bool revolved = pairs.obstacle(candidate).axisymmetric(), on_axis = revolved && x == 0;
+  const bool revolved = pairs.axisymmetric(), on_axis = revolved && x == 0;
   if (revolved && !on_axis) // a ring, whose contact is that of a cylinder as long as its circumference
     force /= 2 * std::numbers::pi * x;
   std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
@@ -236,7 +236,7 @@ constexpr double small_loss = 0.03;
 std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Scene& scene,
                                   double contact_work, double largest_energy) {
   const double part = largest_energy > 0 ? -contact_work / largest_energy : 0;
-  const auto moves = [](const scene::Contact& one) { return scene::moves(one.obstacle); };
+  const auto moves = [](const scene::Contact& one) { return scene::moves(one); };
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
   const std::string massless = scene.rigid() ? "" : "; with contact.mass = \"massless\" shorter steps do too";
@@ -299,7 +299,7 @@ void Passage::observe(const trajectory::Frame& frame) {
     const double moved = psi[i] - frame.contact.gap[i], before = std::exchange(moved_[i], moved),
                  gap = std::exchange(gaps_[i], frame.contact.gap[i]);
     Closing& one = all[pairs->obstacles()[i]];
-    one.shape = &pairs->obstacle(static_cast<int>(i));
+    one.shape = pairs->obstacle(static_cast<int>(i));
     one.body = std::max(one.body, std::abs(moved - before));
     one.level = std::max(one.level, std::abs(frame.contact.gap[i] - gap + moved - before));
     if (gap < one.gap) {
@@ -313,7 +313,7 @@ void Passage::observe(const trajectory::Frame& frame) {
     const double way = std::hypot(to.point[0] - from.point[0], to.point[1] - from.point[1],
                                   to.point[2] - from.point[2]),
                  path = one.body + std::max(way, one.level),
-                 depth = one.shape->surrounds() ? one.depth : std::min(one.depth, 2 * to.radius);
+                 depth = one.shape && one.shape->surrounds() ? one.depth : std::min(one.depth, 2 * to.radius);
     if (path > most * depth && one.gap < path && path / depth > worst_[o].share)
       worst_[o] = {path / depth, path, depth, frame.step};
   }

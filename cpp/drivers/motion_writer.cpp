@@ -36,11 +36,14 @@ MotionWriter::MotionWriter(const problem::Problem& problem, const io::OutputFold
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
   const bool reactions = probed && problem.probes->need_reactions();
   if (output.table(scene::StoredTable::steps) || problem.scene.run.watched() || reactions ||
-      problem.scene.time.until_bounce) {
+      problem.scene.time.until_bounce ||
+      (problem.scene.several_bodies() && output.table(scene::StoredTable::bodies))) {
     balance_.emplace(problem.stepper,
                      diagnostics::Balance::Wanted{reactions, controlled, problem.scene_loads()});
     invariants_.emplace(problem.stepper, diagnostics::body_figures(problem.stepper, problem.scene));
-    summary_.emplace(problem.stepper, problem.scene);
+    if (problem.scene.several_bodies())
+      bodies_.emplace(problem.stepper, problem.scene.contacts);
+    summary_.emplace(problem.stepper, problem.scene, bodies_ ? &*bodies_ : nullptr);
   }
   open_tables(folder, probed);
   open_state(folder);
@@ -65,6 +68,8 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
   }
   if (pairs && output.table(scene::StoredTable::obstacles))
     open(obstacles_, "obstacles.csv", io::obstacles_header(dim));
+  if (bodies_ && output.table(scene::StoredTable::bodies))
+    open(bodies_file_, "bodies.csv", io::bodies_header(dim));
   if (probed) {
     open(probes_, "probes.csv", io::probes_header(problem_.probes->columns()));
     peaks_.emplace(problem_.scene, problem_.probes->columns());
@@ -126,6 +131,8 @@ void MotionWriter::operator()(const trajectory::Frame& frame) {
 
 void MotionWriter::weigh(const trajectory::Frame& frame, diagnostics::StepBalance& balance) {
   balance = (*balance_)(frame);
+  if (bodies_)
+    bodies_->observe(frame, *balance_);
   invariants_->observe(frame, balance);
   summary_->observe(frame, balance, forces_);
   if (problem_.scene.run.invariants == scene::OnViolation::stop)
@@ -152,6 +159,8 @@ void MotionWriter::add_rows(const trajectory::Frame& frame, const diagnostics::S
   if (obstacles_)
     append(*obstacles_,
            [&] { io::add_obstacle_rows(text_, frame.step.k, time, dim, problem_.scene.contacts, forces_); });
+  if (bodies_file_)
+    append(*bodies_file_, [&] { io::add_body_rows(text_, frame.step.k, time, dim, *bodies_); });
   if (probes_)
     append(*probes_, [&] {
       values_.clear();

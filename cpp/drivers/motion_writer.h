@@ -51,6 +51,9 @@ public:
   /// Whether the first bounce is over; only of scenes with time.end = "auto".
   [[nodiscard]] bool bounced() const { return summary_ && summary_->bounced(); }
 
+  /// Bodies in contact with each other, with their motions in the last frame; null unless the scene has some.
+  [[nodiscard]] const diagnostics::Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }
+
   /// Peaks of accelerations and filtered forces of the probes.
   [[nodiscard]] std::vector<diagnostics::ProbePeak> probe_peaks() const {
     return peaks_ ? peaks_->peaks() : std::vector<diagnostics::ProbePeak>();
@@ -115,9 +118,10 @@ private:
   diagnostics::ObstacleForces forces_;
   diagnostics::ContactResolution resolution_;
   diagnostics::StepWarnings step_warnings_;
+  std::optional<diagnostics::Bodies> bodies_; ///< if parts of the body are in contact
   std::optional<diagnostics::ImpactSummary> summary_;
   std::optional<diagnostics::ProbePeaks> peaks_; ///< of probes that are recorded
-  std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
+  std::optional<io::TextFile> steps_, contact_, obstacles_, bodies_file_, probes_;
   std::optional<contact::Pressure> pressure_;
   petsc::Vector friction_{}; ///< tangential traction at the nodes; null until it is written
   std::optional<io::ContactTable> contact_table_;

@@ -51,22 +51,25 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
 }
 
 /// Text on the velocities before and after a rebound, and its restitution.
-std::string velocities(const diagnostics::Rebound& rebound, bool ended, const Body& body) {
-  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, body.dim),
-                     components(rebound.after, body.dim), ended ? "after" : "at the end, still in contact",
+std::string velocities(const diagnostics::Rebound& rebound, bool ended, const diagnostics::Impact& impact,
+                       int dim) {
+  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, dim),
+                     components(rebound.after, dim), ended ? "after" : "at the end, still in contact",
                      rebound.restitution
                          ? fmt::format("; restitution {:.4g}{}", *rebound.restitution,
-                                       rebound.obstacle_after ? " relative to the obstacle" : "")
+                                       rebound.obstacle_after ? " relative to " + impact.other : "")
                          : "");
 }
 
-std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std::size_t of, bool ended,
-                        const Body& body) {
-  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}", which,
-                     of, one.start, one.end,
+std::string bounce_line(const diagnostics::Impact& impact, std::size_t number, const Body& body) {
+  const diagnostics::Rebound& one = impact.bounces[number];
+  const std::size_t of = impact.bounces.size();
+  const bool ended = number + 1 < of || impact.ended;
+  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}",
+                     number + 1, of, one.start, one.end,
                      one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
                      components(one.impulse, body.dim), "N s" + body.per_depth, one.peak,
-                     "N" + body.per_depth, velocities(one, ended, body));
+                     "N" + body.per_depth, velocities(one, ended, impact, body.dim));
 }
 
 /// Adds a line for each of the first five bounces, if there are several bounces.
@@ -74,7 +77,7 @@ void add_bounces(const diagnostics::Impact& impact, const Body& body, std::vecto
   constexpr std::size_t most = 5;
   const std::size_t number = impact.bounces.size();
   for (std::size_t i = 0; number > 1 && i < std::min(number, most); ++i)
-    lines.push_back(bounce_line(impact.bounces[i], i + 1, number, i + 1 < number || impact.ended, body));
+    lines.push_back(bounce_line(impact, i, body));
   if (number > most)
     lines.emplace_back("  the others are in run.json, as impact.bounces");
 }
@@ -99,9 +102,13 @@ void add_impact(const diagnostics::Impact& impact, const Body& body, std::vector
     lines.push_back(touch_line(one.name, one, body));
   if (std::ranges::count_if(impact.obstacles, &diagnostics::Touch::occurred) > 1)
     lines.push_back(touch_line("all together", impact.all, body));
-  lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, body) +
-                  over_all(impact) +
+  lines.push_back("  velocity of the centre of mass" + (impact.body.empty() ? "" : " of " + impact.body) +
+                  ": " + velocities(impact.whole, impact.ended, impact, body.dim) + over_all(impact) +
                   (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
+  for (const diagnostics::BodyImpact& one : impact.bodies)
+    lines.push_back(fmt::format("  {}: {:.4g} kg{}, velocity {} m/s at the start, {} m/s at the end",
+                                one.name, one.mass, body.per_depth, components(one.at_start, body.dim),
+                                components(one.at_end, body.dim)));
   add_bounces(impact, body, lines);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/foundations.h"
 #include "base/error.h"
-#include "fem/coherence.h"
+#include "fem/surface.h"
 #include "fem/wave_time.h"
 #include <algorithm>
 #include <fmt/format.h>

@@ -148,6 +148,15 @@ void Space::interpolate(const scene::Field& field, double t, Vec out) const {
   });
 }
 
+std::vector<std::int64_t> Space::global_nodes() const {
+  const auto map = V_->dofmap()->index_map;
+  std::vector<std::int32_t> local(static_cast<std::size_t>(map->size_local() + map->num_ghosts()));
+  std::iota(local.begin(), local.end(), 0);
+  std::vector<std::int64_t> global(local.size());
+  map->local_to_global(local, global);
+  return global;
+}
+
 std::vector<double> Space::midpoints() const {
   return dolfinx::mesh::compute_midpoints(*mesh_->dolfinx(), dim(), mesh_->owned_cells());
 }

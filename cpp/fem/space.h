@@ -5,6 +5,7 @@
 #include "scene/expression.h"
 #include <array>
 #include <concepts>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -114,6 +115,9 @@ public:
   }
   /// Whether points with the coordinate x are on the axis of a body of revolution.
   [[nodiscard]] bool on_axis_of_revolution(double x) const { return mesh_->axisymmetric() && x == 0; }
+
+  /// Global numbers of this rank's nodes of the mesh, first the owned ones, then the ghosts.
+  [[nodiscard]] std::vector<std::int64_t> global_nodes() const;
 
   /// Creates a zero vector of V. Collective.
   [[nodiscard]] petsc::Vector vector() const { return layout_.vector(); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/wave_time.h"
 #include "base/dolfinx_versions.h"
+#include "fem/coherence.h"
 #include "fem/forms.h"
 #include "mesh/simplex.h"
 #include <algorithm>
@@ -49,7 +50,7 @@ double crossing_time(const Space& space, const std::vector<scene::Material>& mat
   double fastest = 0;
   for (const scene::Material& material : materials)
     fastest = std::max(fastest, wave_speeds(material, space.mesh().model())[0]);
-  return std::ranges::max(space.mesh().extent()) / fastest;
+  return longest_side(space) / fastest;
 }
 
 double least_wave_time(const Space& space, const std::vector<scene::Material>& materials,

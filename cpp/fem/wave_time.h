@@ -11,7 +11,8 @@ namespace signorini::fem {
 /// if it relaxes. In plane stress pressure waves are those of a plate, √(E/(ρ (1 − ν²))).
 std::array<double, 2> wave_speeds(const scene::Material& material, scene::PlaneModel model);
 
-/// Time in which the fastest pressure wave crosses the longest side of the undeformed body's bounding box, s.
+/// Time in which the fastest pressure wave crosses the longest side of the undeformed body's bounding box, s;
+/// of several connected parts, that of the longest one. Collective.
 double crossing_time(const Space& space, const std::vector<scene::Material>& materials);
 
 /// Boundary group of facets, with the scene's key that names it.

@@ -127,6 +127,27 @@ void add_obstacle_rows(std::string& text, int k, double time, int dim,
   }
 }
 
+std::string bodies_header(int dim) {
+  std::string text = "step,time,body";
+  for (const char* of : {"displacement", "momentum"})
+    for (const char* component : {"x", "y", "z"})
+      if (dim == 3 || *component != 'z')
+        text += fmt::format(",{}_{}", of, component);
+  return text + ",kinetic_energy,elastic_energy\n";
+}
+
+void add_body_rows(std::string& text, int k, double time, int dim, const diagnostics::Bodies& bodies) {
+  auto out = std::back_inserter(text);
+  for (std::size_t i = 0; i < bodies.all().size(); ++i) {
+    const diagnostics::BodyMotion& motion = bodies.motions()[i];
+    fmt::format_to(out, "{},{:.10g},{}", k, time, bodies.all()[i].name);
+    for (const std::array<double, 3>& of : {motion.displacement, motion.momentum})
+      for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
+        fmt::format_to(out, ",{}", of[c]);
+    fmt::format_to(out, ",{},{}\n", motion.kinetic_energy, motion.elastic_energy);
+  }
+}
+
 std::string probes_header(const std::vector<std::string>& columns) {
   std::string text = "step,time";
   for (const std::string& column : columns)

@@ -3,6 +3,7 @@
 #include "contact/contact_state.h"
 #include "contact/pressure.h"
 #include "diagnostics/balance.h"
+#include "diagnostics/bodies.h"
 #include "diagnostics/contact_forces.h"
 #include "scene/scene.h"
 #include "step/time_grid.h"
@@ -65,6 +66,12 @@ std::string obstacles_header(int dim);
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
                        const std::vector<scene::Contact>& contacts,
                        const diagnostics::ObstacleForces& forces);
+
+/// Header of bodies.csv, which has one row per step and body; step 0 is the initial state.
+std::string bodies_header(int dim);
+
+/// Appends the rows of step k to bodies.csv, one per body. `time`: s; `bodies`: with the motions of the step.
+void add_body_rows(std::string& text, int k, double time, int dim, const diagnostics::Bodies& bodies);
 
 /// Header of probes.csv, which has one row per step after row 0 for the initial state. `columns`: names of
 /// the columns after step and time.

@@ -20,7 +20,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
     return field && !scene::vanishes(*field);
   };
   const auto moves = [](const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); };
-  const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact.obstacle); };
+  const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact); };
   const auto& objective = scene.objective;
   const scene::ContactScheme scheme = scene.contact_scheme();
   const bool viscous = std::ranges::any_of(scene.materials, &scene::Material::viscous);
@@ -33,6 +33,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"clamp", !scene.clamps.empty()},
       {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
       {"contact", !scene.contacts.empty()},
+      {"contact of parts", scene.several_bodies()},
       {"friction", scene.frictional()},
       {"rigid body", scene.rigid()},
       {"drop", scene.initial.drop.has_value()},
@@ -139,6 +140,11 @@ ordered_json impact_json(const diagnostics::Impact& impact, int dim, bool fricti
   json["velocity_before"] = if_any(impact.whole.before);
   json["velocity_after"] = if_any(impact.whole.after);
   json["restitution"] = number(impact.whole.restitution);
+  for (const diagnostics::BodyImpact& one : impact.bodies)
+    json["bodies"].push_back({{"name", one.name},
+                              {"mass", one.mass},
+                              {"velocity_at_start", vector(one.at_start, dim)},
+                              {"velocity_at_end", vector(one.at_end, dim)}});
   json["bounces"] = ordered_json::array();
   for (const diagnostics::Rebound& one : impact.bounces)
     json["bounces"].push_back(bounce(one, dim));

@@ -146,16 +146,26 @@ Candidates candidates_of(const contact::ContactPairs& pairs, int obstacle) {
   return found;
 }
 
-bool write(hid_t file, const std::string& name, const Obstacle& obstacle, std::size_t dim,
-           const Motion& motion, const Candidates& candidates, std::size_t times) {
+/// Whether all normals are equal up to rounding.
+bool parallel(const Candidates& candidates, std::size_t dim) {
+  constexpr double rounding = 1e-9;
+  for (std::size_t i = 0; i < candidates.normal.size(); ++i)
+    if (std::abs(candidates.normal[i] - candidates.normal[i % dim]) > rounding)
+      return false;
+  return true;
+}
+
+/// Writes an obstacle, or no points of a surface that is a part of the body. `flat`: whether it is a plane.
+bool write(hid_t file, const std::string& name, bool flat, std::size_t dim, const Motion& motion,
+           const Candidates& candidates, std::size_t times) {
   const Hdf5Handle layout = plain_layout(), group = make_group(file, name.c_str());
   const auto put = [&](const char* dataset, const std::vector<hsize_t>& shape, const auto& values) {
     return write_whole(group, dataset, shape, values.data(), layout);
   };
   const std::size_t points = motion.surface.points.size() / dim, facets = motion.surface.facets.size() / dim;
-  const std::vector<std::int64_t> flat{!obstacle.curved()}, whole{motion.surface.whole};
+  const std::vector<std::int64_t> plane{flat}, whole{motion.surface.whole};
   bool good = group && put("points", {points, dim}, motion.surface.points) &&
-              put("facets", {facets, dim}, motion.surface.facets) && put("flat", {1}, flat) &&
+              put("facets", {facets, dim}, motion.surface.facets) && put("flat", {1}, plane) &&
               put("whole", {1}, whole) && put("gap", {candidates.gap.size()}, candidates.gap) &&
               put("normal", {candidates.gap.size(), dim}, candidates.normal);
   if (!motion.first_point.empty())
@@ -185,13 +195,20 @@ void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactP
     Hdf5Handle file = create_hdf5(folder.staged(file_name), H5F_ACC_TRUNC, access);
     bool good = static_cast<bool>(file);
     for (int i = 0; good && i < pairs.obstacle_count(); ++i) {
-      const Obstacle& obstacle = pairs.shape(i);
+      if (pairs.surfaces(i)) {
+        const Candidates candidates = candidates_of(pairs, i);
+        good =
+            write(file, std::to_string(i + 1), parallel(candidates, dim), dim, {}, candidates, times.size());
+        continue;
+      }
+      const Obstacle& obstacle = *pairs.shape(i);
       const contact::RigidMotion* rigid = pairs.rigid(i);
       const Motion motion = rigid ? moved(obstacle, *rigid, dim, shown, places[static_cast<std::size_t>(i)])
                             : !obstacle.moves() || obstacle.keeps_shape()
                                 ? carried(obstacle, dim, shown, times)
                                 : renewed(obstacle, dim, shown, times);
-      good = write(file, std::to_string(i + 1), obstacle, dim, motion, candidates_of(pairs, i), times.size());
+      good = write(file, std::to_string(i + 1), !obstacle.curved(), dim, motion, candidates_of(pairs, i),
+                   times.size());
     }
     good = good && write_whole(file, "times", {times.size()}, times.data(), plain_layout());
     if (!(file.finish() && good))

@@ -11,8 +11,9 @@ namespace signorini::io {
 using Places = std::vector<contact::RigidMotion::Place>;
 
 /// Writes surfaces.h5: the parts of the obstacles' surfaces near the body, at `times` (s). `body`: box (m)
-/// that contains the body at all times; `places`: of each obstacle at these times. Throws OutputFailure.
-/// Collective.
+/// that contains the body at all times; `places`: of each obstacle at these times. Of a contact with
+/// contact.against, whose surfaces are parts of the body, only the candidates are written. Throws
+/// OutputFailure. Collective.
 void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
                              std::span<const double> times, const contact::Box& body,
                              const std::vector<Places>& places);

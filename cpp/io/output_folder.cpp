@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Names of a run's files; data files precede the files that refer to them.
-constexpr std::array file_names{
-    "mesh.msh",   "indicators.csv", "surfaces.h5",    "state.h5",         "control.h5",  "adjoint.h5",
-    "state.xdmf", "control.xdmf",   "adjoint.xdmf",   "steps.csv",        "contact.csv", "obstacles.csv",
-    "probes.csv", "history.csv",    "parameters.csv", "measurements.csv", "scene.toml",  "run.json"};
+constexpr std::array file_names{"mesh.msh",         "indicators.csv", "surfaces.h5", "state.h5",
+                                "control.h5",       "adjoint.h5",     "state.xdmf",  "control.xdmf",
+                                "adjoint.xdmf",     "steps.csv",      "contact.csv", "obstacles.csv",
+                                "bodies.csv",       "probes.csv",     "history.csv", "parameters.csv",
+                                "measurements.csv", "scene.toml",     "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 

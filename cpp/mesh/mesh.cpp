@@ -196,6 +196,14 @@ const std::vector<std::int32_t>& Mesh::cells(const std::string& group, const std
   return groups_.at(find(group, key, {dim_})).at(group).entities;
 }
 
+std::vector<std::string> Mesh::cell_groups() const {
+  std::vector<std::string> names;
+  for (const auto& [name, group] : groups_[static_cast<std::size_t>(dim_)])
+    if (!group.empty && group.unusable.empty())
+      names.push_back(name);
+  return names;
+}
+
 int Mesh::group_dimension(const std::string& group, const std::string& key) const {
   return find(group, key, {dim_, dim_ - 1});
 }

@@ -74,6 +74,9 @@ public:
   /// are groups of both dimensions with this name.
   [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
+  /// Names of the usable groups of cells (parts of the body), in alphabetical order.
+  [[nodiscard]] std::vector<std::string> cell_groups() const;
+
   /// Digest of the points, cells and groups, which identifies the mesh; empty on ranks other than 0.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 

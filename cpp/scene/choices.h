@@ -70,6 +70,10 @@ constexpr Names<2> names(Moduli) { return {"instantaneous", "long-term"}; }
 enum class Shape { half_space, ball, cylinder, signed_distance };
 constexpr Names<4> names(Shape) { return {"half-space", "ball", "cylinder", "signed-distance"}; }
 
+/// Side of contact between two parts of the body whose nodes are the candidates.
+enum class ContactSide { on, against };
+constexpr Names<2> names(ContactSide) { return {"on", "against"}; }
+
 /// Side of a round obstacle's surface on which the body is.
 enum class Side { outside, inside };
 constexpr Names<2> names(Side) { return {"outside", "inside"}; }
@@ -96,6 +100,7 @@ enum class Parameter {
   angle,
   center,
   radius,
+  height,
   body,
   gravity,
   traction,
@@ -111,7 +116,7 @@ enum class Parameter {
   spring_stiffness,
   dashpot_damping
 };
-constexpr Names<30> names(Parameter) {
+constexpr Names<31> names(Parameter) {
   return {"young",
           "poisson",
           "bulk",
@@ -128,6 +133,7 @@ constexpr Names<30> names(Parameter) {
           "angle",
           "center",
           "radius",
+          "height",
           "load.body",
           "load.gravity",
           "load.traction",
@@ -207,9 +213,9 @@ constexpr Names<9> names(StoredField) {
           "stress",       "von_mises", "pressure", "friction"};
 }
 
-enum class StoredTable { steps, contact, obstacles, probes, history, parameters, measurements };
-constexpr Names<7> names(StoredTable) {
-  return {"steps", "contact", "obstacles", "probes", "history", "parameters", "measurements"};
+enum class StoredTable { steps, contact, obstacles, bodies, probes, history, parameters, measurements };
+constexpr Names<8> names(StoredTable) {
+  return {"steps", "contact", "obstacles", "bodies", "probes", "history", "parameters", "measurements"};
 }
 
 /// Name of an enumerator in scene files.

@@ -27,7 +27,7 @@ namespace {
 /// Checks the keys of an obstacle with mass, those of a table [contact] being `in`.
 void require_rules_of_mass(Reader& in, const RigidBody& body, const Contact& contact, const Scene& scene) {
   const Reader table = in.table("obstacle");
-  if (moves(contact.obstacle))
+  if (moves(contact))
     table.fail("mass",
                "found with an obstacle whose expressions contain t; its motion is either prescribed or "
                "free, so remove one of them");
@@ -54,7 +54,7 @@ void require_rules_of_mass(Reader& in, const RigidBody& body, const Contact& con
   if (!body.mass_center.empty() && body.inertia.empty())
     table.fail("mass_center", "has no effect on an obstacle that does not turn; give inertia");
   if (!body.inertia.empty() && body.mass_center.empty() &&
-      std::holds_alternative<SignedDistance>(contact.obstacle))
+      std::holds_alternative<SignedDistance>(*contact.obstacle))
     table.fail("inertia", "found without the point about which the obstacle turns; give mass_center");
   if (!scene.mesh.axisymmetric())
     return;
@@ -68,7 +68,32 @@ void require_rules_of_mass(Reader& in, const RigidBody& body, const Contact& con
 
 } // namespace
 
+namespace {
+
+/// Checks the keys of contact with another part of the body.
+void require_rules_of_parts(const Reader& in, const Contact& contact, const Scene& scene) {
+  if (contact.obstacle)
+    in.fail("against", "found together with obstacle; remove one of them, or add a table [[contact]]");
+  if (contact.on == *contact.against)
+    in.fail("against", "found the group `on`; a surface in contact with itself is not modelled, so give "
+                       "groups of two surfaces");
+  if (scene.time.automatic())
+    in.fail("against",
+            "found together with time.step = \"auto\", whose choice does not regard a second body; "
+            "give a step length");
+  if (scene.mesh.degree == 2)
+    in.fail("against", "found together with mesh.degree = 2, where it is not available; use degree 1");
+}
+
+} // namespace
+
 void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
+  if (contact.against)
+    require_rules_of_parts(in, contact, scene);
+  else
+    for (const char* key : {"slave", "height"})
+      if (in.has(key))
+        in.fail(key, "has no effect with an obstacle; use it with contact.against");
   if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", whose projection needs the "
                     "mass of contact nodes; set mass to \"consistent\"");
@@ -84,8 +109,7 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
     in.fail("friction",
             "found together with time.step = \"auto\", whose error estimates do not include slip; "
             "give a step length");
-  if (contact.frictional() && std::holds_alternative<SignedDistance>(contact.obstacle) &&
-      moves(contact.obstacle))
+  if (contact.frictional() && moves(contact) && std::holds_alternative<SignedDistance>(*contact.obstacle))
     in.fail("friction", "found with a signed distance that moves, whose motion along the surface is not "
                         "defined; use another shape, or obstacle.surface_velocity of one at rest");
   if (contact.rigid)

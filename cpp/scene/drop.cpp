@@ -11,7 +11,8 @@ Fall fall(const Scene& scene) {
 }
 
 Fall fall(const Components& gravity, double height) {
-  Fall fall{.direction = std::vector<double>(gravity.size())};
+  Fall fall;
+  fall.direction.resize(gravity.size());
   const std::array<double, 3> origin{};
   Field(gravity, "load.gravity", true).evaluate(origin.data(), 0, fall.direction.data());
   double squares = 0;

@@ -60,26 +60,31 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
   if (unknown.of == Parameter::surface_velocity && !contact.surface_velocity)
     in.fail("of", "found \"surface_velocity\" of an obstacle without one; give obstacle.surface_velocity");
   using Allowed = std::vector<std::string>;
+  if (contact.against) {
+    if (unknown.of != Parameter::height && !of_friction(unknown.of))
+      in.fail("of", fmt::format("found \"{}\" of the contact of two parts; choices: height, friction", of));
+    return;
+  }
   Allowed allowed = std::visit(
       Overloads{[](const HalfSpace&) { return Allowed{name(Parameter::position), name(Parameter::angle)}; },
                 [](const Ball&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
                 [](const Cylinder&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
                 [](const SignedDistance&) { return Allowed{}; }},
-      contact.obstacle);
+      *contact.obstacle);
   if (contact.frictional()) { // the tangents must stay
-    const bool plane = std::holds_alternative<HalfSpace>(contact.obstacle);
+    const bool plane = std::holds_alternative<HalfSpace>(*contact.obstacle);
     allowed = plane ? Allowed{name(Parameter::position)} : Allowed{};
     allowed.emplace_back(name(Parameter::friction));
     allowed.emplace_back(name(Parameter::surface_velocity));
   }
   if (std::ranges::find(allowed, of) == allowed.end())
     in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\"{}; choices: {}", of,
-                              name(static_cast<Shape>(contact.obstacle.index())),
+                              name(static_cast<Shape>(contact.obstacle->index())),
                               contact.frictional() ? " with friction" : "",
                               allowed.empty() ? "other shapes" : list(allowed)));
   const bool round =
-      std::holds_alternative<Ball>(contact.obstacle) || std::holds_alternative<Cylinder>(contact.obstacle);
-  if (round && !of_friction(unknown.of) && moves(contact.obstacle))
+      std::holds_alternative<Ball>(*contact.obstacle) || std::holds_alternative<Cylinder>(*contact.obstacle);
+  if (round && !of_friction(unknown.of) && moves(contact))
     in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves; it must be at rest", of));
   const bool moves_center = unknown.of == Parameter::position || unknown.of == Parameter::center;
   if (moves_center && contact.rigid && !contact.rigid->inertia.empty() && contact.rigid->mass_center.empty())

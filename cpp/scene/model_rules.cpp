@@ -86,7 +86,7 @@ void require_model(const Reader& in, const Unknown& unknown, const Scene& scene)
       in.fail("of",
               "found \"angle\"; in axial symmetry an obstacle cannot be tilted, so choose another unknown");
     const bool tube = unknown.of == Parameter::center && !scene.contacts.empty() &&
-                      std::holds_alternative<Cylinder>(scene.contacts[contact_of(scene, unknown)].obstacle);
+                      scene.contacts[contact_of(scene, unknown)].meets_cylinder();
     if (tube)
       in.fail("of",
               "found \"center\" of a cylinder; in axial symmetry it is a tube around the axis, of which only "

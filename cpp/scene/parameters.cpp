@@ -107,6 +107,7 @@ void set(Scene& scene, const Unknown& unknown, double value) {
   case Parameter::rigid_velocity:
   case Parameter::spring_stiffness:
   case Parameter::dashpot_damping:
+  case Parameter::height:
     number_of(scene, unknown) = value;
     return;
   case Parameter::displacement:
@@ -119,24 +120,24 @@ void set(Scene& scene, const Unknown& unknown, double value) {
     return;
   }
   case Parameter::position: {
-    auto& plane = std::get<HalfSpace>(scene.contacts[contact_of(scene, unknown)].obstacle);
+    auto& plane = std::get<HalfSpace>(*scene.contacts[contact_of(scene, unknown)].obstacle);
     const Vector out = unit_vector(plane.normal);
     for (std::size_t c = 0; c < plane.point.size(); ++c)
       plane.point[c].shift += value * out[c];
     return;
   }
   case Parameter::angle: {
-    auto& plane = std::get<HalfSpace>(scene.contacts[contact_of(scene, unknown)].obstacle);
+    auto& plane = std::get<HalfSpace>(*scene.contacts[contact_of(scene, unknown)].obstacle);
     const Vector normal = turned(unit_vector(plane.normal), axis(unknown), value);
     plane.normal.assign(normal.begin(), normal.begin() + static_cast<std::ptrdiff_t>(plane.normal.size()));
     return;
   }
   case Parameter::center:
-    round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).center.at(component(unknown)) =
+    round_parts(*scene.contacts[contact_of(scene, unknown)].obstacle).center.at(component(unknown)) =
         Expression(value);
     return;
   case Parameter::radius:
-    round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).radius = Expression(value);
+    round_parts(*scene.contacts[contact_of(scene, unknown)].obstacle).radius = Expression(value);
     return;
   case Parameter::friction: {
     Contact& contact = scene.contacts[contact_of(scene, unknown)];
@@ -189,6 +190,7 @@ std::string unit(const Scene& scene, const Unknown& unknown, int dim) {
   case Parameter::position:
   case Parameter::center:
   case Parameter::radius:
+  case Parameter::height:
     return "m";
   case Parameter::angle:
     return "rad";
@@ -253,7 +255,7 @@ Limits natural_limits(Parameter of) {
 
 Components components_of(const Scene& scene, const Unknown& unknown) {
   if (unknown.of == Parameter::center) {
-    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
+    Obstacle shape = *scene.contacts[contact_of(scene, unknown)].obstacle;
     return round_parts(shape).center;
   }
   Initial initial = scene.initial;
@@ -280,7 +282,8 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
   case Parameter::inertia:
   case Parameter::rigid_velocity:
   case Parameter::spring_stiffness:
-  case Parameter::dashpot_damping: {
+  case Parameter::dashpot_damping:
+  case Parameter::height: {
     Scene copy = scene;
     return number_of(copy, unknown);
   }
@@ -293,7 +296,7 @@ std::optional<double> value_in_scene(const Scene& scene, const Unknown& unknown)
   case Parameter::center:
     return constant(components_of(scene, unknown).at(component(unknown)));
   case Parameter::radius: {
-    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
+    Obstacle shape = *scene.contacts[contact_of(scene, unknown)].obstacle;
     return constant(round_parts(shape).radius);
   }
   case Parameter::friction: {
@@ -356,7 +359,10 @@ ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, s
     rate.point[component(unknown)] = 1;
   if (unknown.of == Parameter::radius)
     rate.radius = 1;
-  const auto* plane = std::get_if<HalfSpace>(&scene.contacts[contact].obstacle);
+  if (unknown.of == Parameter::height)
+    rate.height = 1;
+  const auto& shape = scene.contacts[contact].obstacle;
+  const auto* plane = shape ? std::get_if<HalfSpace>(&*shape) : nullptr;
   if (!plane)
     return rate;
   Vector normal = unit_vector(plane->normal);

@@ -31,7 +31,7 @@ constexpr bool of_rigid_body(Parameter of) {
   return of >= Parameter::mass && of <= Parameter::dashpot_damping;
 }
 constexpr bool of_obstacle(Parameter of) {
-  return (of >= Parameter::position && of <= Parameter::radius) || of_friction(of) || of_rigid_body(of);
+  return (of >= Parameter::position && of <= Parameter::height) || of_friction(of) || of_rigid_body(of);
 }
 
 /// Components of the vector of an unknown, an initial field or a centre. The unknown is one of these
@@ -54,6 +54,7 @@ struct ObstacleRate {
   std::array<double, 3> point{};  ///< rate of the plane's point, the centre or the axis
   std::array<double, 3> normal{}; ///< rate of a half-space's unit normal
   double radius = 0;              ///< rate of a ball's or cylinder's radius
+  double height = 0;              ///< rate of contact.height
 };
 /// Computes the derivatives of an obstacle's geometry by the unknown `number`, counted from 0, at `values` of
 /// all unknowns. `scene`: as read, without these values.

@@ -158,6 +158,8 @@ bool moves(const Obstacle& obstacle) {
       obstacle);
 }
 
+bool moves(const Contact& contact) { return contact.obstacle && moves(*contact.obstacle); }
+
 bool rests(const Control& control) {
   const auto all = [](const std::optional<std::vector<double>>& bound, auto&& allows) {
     return !bound || std::ranges::all_of(*bound, allows);

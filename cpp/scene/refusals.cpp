@@ -18,11 +18,9 @@ struct Refusal {
 /// Table of all effects outside the model.
 const std::vector<Refusal>& refusals() {
   static const std::vector<Refusal> all{
-      {"contact between bodies",
-       "a scene has one deformable body, obstacles are rigid",
-       {"slave", "master", "against", "self", "bodies", "tie"},
-       {"contact.with", "contact.target", "contact.obstacle.young", "contact.obstacle.poisson",
-        "contact.obstacle.material"}},
+      {"contact of a surface with itself, and bodies that are tied",
+       "give two surfaces without common nodes as contact.on and contact.against",
+       {"self", "tie"}},
       {"penalty or compliance of contact",
        "contact is the condition gap >= 0, without parameters",
        {"penalty", "compliance"},
@@ -79,6 +77,10 @@ const std::vector<Synonym>& synonyms() {
       {"give elasticity as material.young and material.poisson",
        {},
        {"material.mu", "material.lambda", "material.lame", "material.shear_modulus"}},
+      {"give contact of two parts of the mesh as contact.on and contact.against, groups of their boundaries",
+       {"master", "bodies"},
+       {"contact.with", "contact.target", "contact.between", "contact.obstacle.young",
+        "contact.obstacle.poisson", "contact.obstacle.material"}},
       {"give the mass of an obstacle that moves freely as contact.obstacle.mass, in kg",
        {"impactor", "hammer"},
        {"contact.obstacle.density", "contact.obstacle.weight"},

@@ -177,7 +177,20 @@ std::string obstacle_name(Reader& in, const Scene& scene) {
   return unique_name(in, fmt::format("obstacle {}", scene.contacts.size()), scene.contacts, "contact");
 }
 
+std::string pair_name(const Reader& in, const Contact& contact, const Scene& scene) {
+  const std::string name = contact.on + "/" + contact.against.value();
+  for (std::size_t i = 0; i + 1 < scene.contacts.size(); ++i)
+    if (scene.contacts[i].name == name)
+      in.fail("against", fmt::format("found \"{}\" on \"{}\", as in contact[{}]; remove one of them",
+                                     *contact.against, contact.on, i));
+  return name;
+}
+
 void require_rules(Reader& in, const Solver& solver, const Scene& scene) {
+  if (solver.vi == ViMethod::full && scene.several_bodies())
+    in.fail("vi",
+            "found \"full\" with contact.against, whose constraints are no bounds on unknowns; leave it "
+            "out");
   if (solver.vi == ViMethod::full && scene.rigid())
     in.fail("vi",
             "found \"full\" with an obstacle that has mass, whose constraints are no bounds on unknowns; "
@@ -336,7 +349,8 @@ void require_dimension(const Scene& scene, int dim) {
   require.plane_model();
   for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
     const std::string key = contact_key(scene.contacts, i) + ".obstacle.";
-    require.obstacle(scene.contacts[i].obstacle, key);
+    if (const auto& shape = scene.contacts[i].obstacle)
+      require.obstacle(*shape, key);
     require.vector(scene.contacts[i].surface_velocity, key + "surface_velocity");
     if (const auto& body = scene.contacts[i].rigid)
       require.rigid_body(*body, key);

@@ -70,6 +70,8 @@ void set_latest_end(Reader& in, Scene& scene);
 /// Reads the name of the scene's last obstacle from the obstacle's table; "obstacle 1", "obstacle 2", … if
 /// the table gives none.
 std::string obstacle_name(Reader& in, const Scene& scene);
+/// Name of a pair of surfaces, "on/against". Throws UserError if another contact has it.
+std::string pair_name(const Reader& in, const Contact& contact, const Scene& scene);
 /// Accepts tables of all other types, which have no rules.
 template <class T>
 void require_rules(Reader&, const T&, const Scene&) {}

@@ -87,9 +87,12 @@ struct RigidBody {
 
 /// Table [contact], or one of [[contact]].
 struct Contact {
-  std::string on; ///< physical group of the contact candidates
-  Obstacle obstacle;
-  std::string name; ///< name of the obstacle in tables, unique
+  std::string on;                     ///< physical group of the contact candidates
+  std::optional<Obstacle> obstacle;   ///< absent if `against` is given
+  std::optional<std::string> against; ///< physical group of another part's surface
+  std::optional<ContactSide> slave; ///< side of the candidates with `against`; absent: that with finer facets
+  double height = 0;                ///< shift of the surface `against` along its mean outward normal, m
+  std::string name;                 ///< name of the obstacle or the pair of surfaces in tables, unique
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
   Expression friction = 0;            ///< coefficient μ of Coulomb friction, as an expression in x, y, z, t
@@ -103,6 +106,10 @@ struct Contact {
   [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
   /// Whether candidates of this obstacle have no mass in some direction.
   [[nodiscard]] bool loses_mass() const { return mass != ContactMass::consistent; }
+  /// Whether the obstacle is a cylinder.
+  [[nodiscard]] bool meets_cylinder() const {
+    return obstacle && std::holds_alternative<Cylinder>(*obstacle);
+  }
   /// Whether the obstacle has friction.
   [[nodiscard]] bool frictional() const { return bound || friction != Expression(0); }
 };
@@ -299,9 +306,10 @@ struct Output {
   int every = 0; ///< steps between stored fields; 0: chosen, so that at most most_frames are stored
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< fields to store where a run has them
-  std::vector<StoredTable> tables{StoredTable::steps,       StoredTable::contact, StoredTable::obstacles,
-                                  StoredTable::probes,      StoredTable::history, StoredTable::parameters,
-                                  StoredTable::measurements}; ///< tables to write where a run has them
+  std::vector<StoredTable> tables{
+      StoredTable::steps,      StoredTable::contact,     StoredTable::obstacles,
+      StoredTable::bodies,     StoredTable::probes,      StoredTable::history,
+      StoredTable::parameters, StoredTable::measurements}; ///< tables to write where a run has them
   std::vector<Probe> probes;
 
   static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 if `every` is absent
@@ -349,6 +357,10 @@ struct Scene {
   [[nodiscard]] bool rigid() const {
     return std::ranges::any_of(contacts, [](const Contact& contact) { return contact.rigid.has_value(); });
   }
+  /// Whether parts of the body are in contact with each other.
+  [[nodiscard]] bool several_bodies() const {
+    return std::ranges::any_of(contacts, [](const Contact& contact) { return contact.against.has_value(); });
+  }
   /// Whether a material relaxes.
   [[nodiscard]] bool relaxes() const { return std::ranges::any_of(materials, &Material::relaxes); }
 };
@@ -377,6 +389,8 @@ bool vanishes(const Components& components);
 
 /// Whether an obstacle moves or changes its shape, since an expression of its depends on t.
 bool moves(const Obstacle& obstacle);
+/// Whether the obstacle of a contact moves as the scene prescribes; false for another part of the body.
+bool moves(const Contact& contact);
 
 /// Whether the first guess of a control is zero: absent or written as zero, not read from an earlier run, and
 /// within the bounds.

@@ -284,7 +284,7 @@ Key<Contact> obstacle() {
   std::vector<Entry> of_mass = entries<RigidBody>();
   of_mass.front().info.required = false; // only with the others
   of_mass.front().fallback = "the obstacle rests or moves as its expressions say";
-  Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
+  Key<Contact> key{{"obstacle", {.effect = "contact"}, {}, "required without `against`", {}, {}}};
   for (const auto& keys : entries_of(static_cast<const Obstacle*>(nullptr))) {
     const std::string& name = shapes[key.json["oneOf"].size()];
     std::vector<Entry> all{{"shape", info, quoted(shapes), {}, {{"const", name}}, {}}, called, surface};
@@ -294,31 +294,60 @@ Key<Contact> obstacle() {
     key.children.insert(key.children.end(), all.begin(), all.end());
   }
   key.read = [](Reader& in, Contact& to, const Scene& scene) {
+    if (in.has("against") && !in.has("obstacle"))
+      return;
+    if (!in.has("obstacle"))
+      in.fail("obstacle", "missing, but required without `against`");
     Reader table = in.table("obstacle");
     to.name = obstacle_name(table, scene);
-    to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
+    to.obstacle = alternative(table.choice("shape", all_names<Shape>()), Obstacle{});
     to.surface_velocity.reset();
     if (table.has(surface_velocity))
       to.surface_velocity = Expressions{}.read(table, surface_velocity, scene);
     to.rigid = rigid_body(table, scene);
-    std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
+    std::visit([&](auto& one) { read_keys(table, one, scene); }, *to.obstacle);
   };
   key.line = [](const Contact& from) {
-    const auto shape = static_cast<Shape>(from.obstacle.index());
+    if (!from.obstacle)
+      return Written{};
+    const auto shape = static_cast<Shape>(from.obstacle->index());
     std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
     if (from.surface_velocity)
       first += fmt::format(", {} = {}", surface_velocity, written(*from.surface_velocity));
     if (from.rigid)
       first += ", " + listed(*from.rigid);
     const auto on_line = [&](const auto& one) { return on_one_line(one, first); };
-    return std::visit(on_line, from.obstacle);
+    return std::visit(on_line, *from.obstacle);
   };
   return key;
 }
 
-} // namespace
-
-namespace {
+/// Makes the keys of contact with another part of the body.
+std::array<Key<Contact>, 3> other_part() {
+  const auto of_parts = [](const char* otherwise) {
+    return KeyInfo{.otherwise = otherwise, .effect = "contact of parts"};
+  };
+  Key<Contact> against =
+      value("against", &Contact::against, Text{}, "",
+            "in place of `obstacle`: group of the boundary of another part of the same mesh, with which the "
+            "group `on` is in contact. The two groups have no node in common. In tables and messages the "
+            "pair has the name `\"on/against\"`, of the two groups",
+            of_parts("contact with `obstacle`"));
+  against.read = [read = against.read](Reader& in, Contact& to, const Scene& scene) {
+    read(in, to, scene);
+    if (to.against)
+      to.name = pair_name(in, to, scene);
+  };
+  return {std::move(against),
+          value("slave", &Contact::slave, Choice<ContactSide>{}, "",
+                "side whose nodes are the candidates: `\"on\"` or `\"against\"`",
+                of_parts("the side with the smaller facets")),
+          value("height", &Contact::height, Number{}, "m",
+                "shift of the surface `against` along its mean outward normal, by which the gap is smaller "
+                "than in the mesh",
+                {.effect = "contact of parts"},
+                [](const Contact& contact) { return contact.against.has_value(); })};
+}
 
 /// Makes the two keys named `friction`: one with a coefficient, one with a table that has a bound.
 std::array<Key<Contact>, 2> friction() {
@@ -341,9 +370,13 @@ Keys<FrictionBound> keys_of(Of<FrictionBound>) {
 
 Keys<Contact> keys_of(Of<Contact>) {
   const auto [coefficient, bound] = friction();
+  const auto [against, slave, height] = other_part();
   return {required("on", &Contact::on, Text{}, "",
                    "group of the boundary whose nodes are the contact candidates", {.effect = "contact"}),
           obstacle(),
+          against,
+          slave,
+          height,
           value("mass", &Contact::mass, Choice<ContactMass>{}, "",
                 "`\"massless\"`: candidates that face the obstacle have no mass in the normal direction; "
                 "their neighbours take this mass. Not with `\"contact-stabilized\"`. "
@@ -539,17 +572,19 @@ Keys<Prior> keys_of(Of<Prior>) {
 
 Keys<Unknown> keys_of(Of<Unknown>) {
   return {
-      required("of", &Unknown::of, Choice<Parameter>{}, "",
-               "parameter to fit; each unknown is a table `[[unknown]]`. Of a material: a modulus, a "
-               "viscosity, a Rayleigh coefficient, the fractions or the time of a branch of `prony`, or the "
-               "density. Of a foundation: springs or dashpots. Of "
-               "an initial field: the value of one component in the whole body, "
-               "or without `component` a factor on the field. Of an obstacle: a plane's shift along its "
-               "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of its friction: the "
-               "coefficient, or a factor on the `surface_velocity`. Of its mass: `mass`, and with "
-               "`component`, if the "
-               "obstacle has one for each, `inertia`, `velocity`, `stiffness` and `damping`. Of a load: a "
-               "factor on the load"),
+      required(
+          "of", &Unknown::of, Choice<Parameter>{}, "",
+          "parameter to fit; each unknown is a table `[[unknown]]`. Of a material: a modulus, a "
+          "viscosity, a Rayleigh coefficient, the fractions or the time of a branch of `prony`, or the "
+          "density. Of a foundation: springs or dashpots. Of "
+          "an initial field: the value of one component in the whole body, "
+          "or without `component` a factor on the field. Of two parts in contact `height`. Of an obstacle: a "
+          "plane's shift along its "
+          "normal (m) or angle (rad), a ball's or cylinder's `center` or `radius`. Of its friction: the "
+          "coefficient, or a factor on the `surface_velocity`. Of its mass: `mass`, and with "
+          "`component`, if the "
+          "obstacle has one for each, `inertia`, `velocity`, `stiffness` and `damping`. Of a load: a "
+          "factor on the load"),
       value("name", &Unknown::name, Text{"text"}, "", "name in tables",
             {.otherwise = "made from `of`, such as `\"young\"`"}),
       value("on", &Unknown::on, Text{}, "",

@@ -62,6 +62,8 @@ double& number_of(Scene& scene, const Unknown& unknown) {
     return numbers ? numbers->at(static_cast<std::size_t>(unknown.component.value_or(Component::x)))
                    : body.mass;
   }
+  if (unknown.of == Parameter::height)
+    return scene.contacts[contact_of(scene, unknown)].height;
   Material& material = scene.materials[material_of(scene, unknown)];
   switch (unknown.of) {
   case Parameter::young:

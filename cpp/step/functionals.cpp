@@ -75,7 +75,7 @@ double force_on_body(const contact::ContactPairs& pairs, const contact::Constrai
     double on_obstacle = 0;
     for (std::size_t c = 0; c < rows.size(i); ++c)
       on_obstacle += lambda[rows.row(i, c)] * at_node(rows, rows.row(i, c), of.component);
-    sum -= on_obstacle;
+    sum -= pairs.side(pairs.obstacles()[i]) * on_obstacle;
   }
   return sum;
 }
@@ -86,7 +86,8 @@ void add_force_dual(const contact::ContactPairs& pairs, ObstacleComponent of, do
   for (int i = 0; i < pairs.count(); ++i)
     if (counts(pairs, i, of))
       for (std::size_t c = 0; c < rows.size(i); ++c)
-        dual[rows.row(i, c)] -= factor * at_node(rows, rows.row(i, c), of.component);
+        dual[rows.row(i, c)] -=
+            factor * pairs.side(pairs.obstacles()[i]) * at_node(rows, rows.row(i, c), of.component);
 }
 
 } // namespace signorini::step

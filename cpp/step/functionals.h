@@ -45,7 +45,8 @@ private:
   std::vector<std::pair<int, double>> row_; ///< owned dofs, with the entry of each
 };
 
-/// Selects a component of the contact force on the body, from one obstacle or from all.
+/// Selects a component of the contact force on the body, from one obstacle or from all. With contact.against
+/// it is the force on the part with the group contact.on.
 struct ObstacleComponent {
   int obstacle = -1; ///< index in the scene; −1: the sum over all obstacles
   int component = 0;

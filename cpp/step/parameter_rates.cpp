@@ -83,6 +83,7 @@ ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene
     case angle:
     case center:
     case radius:
+    case height:
       add_obstacle(scene, values, j, rate);
       break;
     case mass:
@@ -194,7 +195,7 @@ petsc::Matrix ParameterRates::redistributed_mass_rate(const scene::Scene& scene,
   constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
   constexpr double thousandth = 1e-3;
   const scene::Scene now = scene::with_values(scene, values);
-  const contact::Obstacle obstacle(now.contacts[scene::contact_of(scene, scene.unknowns[j])].obstacle,
+  const contact::Obstacle obstacle(now.contacts[scene::contact_of(scene, scene.unknowns[j])].obstacle.value(),
                                    "obstacle", stepper_.space().dim(), stepper_.pairs()->diameter(),
                                    stepper_.space().mesh().axisymmetric());
   const double radius = obstacle.place(0).radius, h = thousandth * (std::isfinite(radius) ? radius : 1);

@@ -45,9 +45,10 @@ Approach::Approach(const step::Stepper& stepper, const scene::Scene& scene, cons
       all_candidates_movable_ = all_candidates_movable_ && !immovable(i);
     }
   for (std::size_t o = 0; o < obstacles_.size(); ++o)
-    for (scene::Field& field : fields_of(scene.contacts[o].obstacle)) // candidates are on every rank
-      obstacles_[o].push_back(
-          std::make_unique<fem::TimeProfile>(MPI_COMM_SELF, std::move(field), points_[o], end));
+    if (const auto& shape = scene.contacts[o].obstacle)
+      for (scene::Field& field : fields_of(*shape)) // candidates are on every rank
+        obstacles_[o].push_back(
+            std::make_unique<fem::TimeProfile>(MPI_COMM_SELF, std::move(field), points_[o], end));
   for (std::size_t c = 0; c < scene.clamps.size(); ++c) {
     if (!scene.clamps[c].value)
       continue;
@@ -111,7 +112,7 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
   for (std::size_t i = 0; i < pairs.psi().size(); ++i)
     if (pairs.obstacles()[i] == static_cast<int>(obstacle))
       candidates.push_back(i);
-  const contact::Obstacle& shape = pairs.obstacle(static_cast<int>(candidates.front()));
+  const contact::Obstacle& shape = *pairs.obstacle(static_cast<int>(candidates.front()));
   const auto within_reach = [&](std::size_t i, const contact::Obstacle::Place& place) {
     const Along body = along(i);
     const double s = place.t - t, moved = body.position + s * body.velocity + s * s / 2 * body.acceleration;

@@ -149,7 +149,7 @@ bool StepErrors::passes(const Frame& frame) const {
                deep = tolerance_ * scale_ + pairs.gap_tolerance();
   for (std::size_t i = 0; i < gaps_.size(); ++i) {
     if (contact(static_cast<std::size_t>(pairs.obstacles()[i])) ||
-        pairs.obstacle(static_cast<int>(i)).moves())
+        pairs.obstacle(static_cast<int>(i))->moves())
       continue;
     const double g = frame.contact.gap[i], rate = (g - gaps_[i]) / tau,
                  bend = (rate - (gaps_[i] - gaps_before_[i]) / before) / (tau + before),

@@ -113,6 +113,11 @@ class Run:
         return self.table("obstacles")
 
     @cached_property
+    def bodies(self) -> Table:
+        """bodies.csv: motion and energy of every step and body; only with contact.against."""
+        return self.table("bodies")
+
+    @cached_property
     def history(self) -> Table:
         """history.csv: iterations of the optimizer after row 0."""
         return self.table("history")

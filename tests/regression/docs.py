@@ -74,6 +74,7 @@ RUNS = {
                                        output__probe='[{name="plate", obstacle="obstacle 1", acceleration=true, filter={cfc=4}}]')),  # fmt: skip
     "plate-in-space": ("simulate", BALL, *SHORT, *sets(contact__obstacle__mass=1e3, contact__obstacle__inertia="[1e5, 1e5, 1e5]",
                                                        output__probe='[{name="plate", obstacle="obstacle 1"}]')),  # fmt: skip
+    "parts": ("simulate", SOURCE / "tests" / "data" / "two-cubes.toml", *FIELDS),
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),
     "optimum": ("optimize", DISC, *SHORT, *sets(optimizer__max_iterations=4)),
     "space": ("optimize", BALL, *SHORT, *sets(optimizer__max_iterations=2)),

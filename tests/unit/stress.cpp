@@ -301,7 +301,7 @@ TEST_CASE("a node of two surfaces has the area of each and, as a field, the larg
     CAPTURE(i);
     double half = 1;
     for (std::size_t j = 0; j < pressure.area().size(); ++j)
-      if (j != i && &pairs.obstacle(static_cast<int>(j)) == &pairs.obstacle(static_cast<int>(i)))
+      if (j != i && pairs.obstacle(static_cast<int>(j)) == pairs.obstacle(static_cast<int>(i)))
         half = std::min(half, std::hypot(pairs.points()[3 * j] - pairs.points()[3 * i],
                                          pairs.points()[3 * j + 1] - pairs.points()[3 * i + 1]));
     CHECK(std::abs(half - 0.125) < 1e-12);

@@ -11,6 +11,7 @@ from mesh_cases import mesh_content_cases, mesh_file_cases, space_cases
 from model_cases import model_cases
 from obstacle_cases import obstacle_cases
 from option_cases import method_cases, option_cases
+from parts_cases import parts_cases
 from relaxation_cases import relaxation_cases
 from rigid_body_cases import rigid_body_cases
 from scene_cases import key_cases, scene_file_cases, type_cases
@@ -32,6 +33,7 @@ def all_cases() -> list[Case]:
         *friction_cases(),
         *rigid_body_cases(),
         *drop_cases(),
+        *parts_cases(),
         *expression_cases(),
         *time_series_cases(),
         *effect_cases(),

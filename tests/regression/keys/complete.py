@@ -37,6 +37,7 @@ FULL = (
              "output__probe": [{"body": True, "acceleration": True}, {"obstacle": "obstacle 1", "filter": {"cfc": 4.0}}]}),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
     (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
+    (DATA / "two-squares.toml", {"contact__slave": "on", "contact__height": 0.01}),
     *((BLOCK, {"contact__obstacle": shape | WITH_MASS, "objective__obstacle": "obstacle 1"}) for shape in (
         {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}, {"shape": "ball", "center": [0, -2], "radius": 1},
         {"shape": "cylinder", "point": [0, -2], "radius": 1}, {"shape": "signed-distance", "distance": "y + 1"})),
@@ -148,6 +149,12 @@ def chosen(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return simulate_in(tmp_path_factory.mktemp("chosen"), time={"end": 0.6, "step": "auto"})
 
 
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """A run of two parts in contact, which has a key that others have not."""
+    return simulate_in(tmp_path_factory.mktemp("parts"), DATA / "two-squares.toml", time__end=0.1)
+
+
 def test_page_has_the_table_of_the_program(markdown: str) -> None:
     found = re.search(r"(?s)<!-- keys.*?-->\n(.*?)<!-- end of keys -->", (SOURCE / "docs" / "reference" / "keys.md").read_text())
     assert found and found[1] == markdown, "docs/extend.md says how to make it"
@@ -173,12 +180,12 @@ def test_page_has_each_choice(steps: str, rows: list[tuple[str, str, str]], defa
     assert lists > 5, "hardly any key has choices: the case says nothing"
 
 
-def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, chosen: Run) -> None:
+def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, chosen: Run, parts: Run) -> None:
     """The defaults are those that scene.toml confirms."""
     confirmed = 0
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
-            own = chosen if name in ("time.tolerance", "time.quantity") else default
+            own = chosen if name in ("time.tolerance", "time.quantity") else parts if name == "contact.height" else default
             path = re.sub("^(clamp|measurement|foundation|material[.]prony|output[.]probe)", r"\1.0", name)
             # Each branch has a fraction: g has its default in the first branch, k in the second one. So have foundations.
             path = re.sub(r"foundation\.0(\.\w+\.tangential)", r"foundation.1\1", path.replace("prony.0.k", "prony.1.k"))

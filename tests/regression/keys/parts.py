@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keys of contact between parts of the body: candidates, gaps and sides on two squares that do not match, 5 and 7 elements wide and 0.05 m apart."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from harness import table
+from regression.keys.runs import DATA, ROUNDING, Run, Runner, near, optimize_in, same
+
+SQUARES = DATA / "two-squares.toml"
+PAIR = "above/below"
+GAP = 0.05
+# The squares fall on each other without rotation, and part.
+FALL = {"initial__velocity": ["0", "y > 1.02 ? -0.3 : 0.2"], "contact__friction": 0.0, "output__every": 1}
+
+
+def bodies(done: Run) -> dict[str, np.ndarray]:
+    found = table(done.folder / "bodies.csv")
+    return {name: column.reshape(-1, 2) for name, column in found.items()}
+
+
+@pytest.mark.key("contact.against")
+def test_against(simulate: Runner) -> None:
+    """Candidates are the nodes of the finer side, their gap is that of the squares; the forces on the squares are equal and opposite."""
+    done = simulate(SQUARES, **FALL)
+    assert done.manifest["effects"]["contact of parts"] and done.manifest["candidates"] == 8
+    near(done.start["gap"], np.full(8, GAP), 1e-9)
+    near(done.start["y"], np.full(8, 1 + GAP), 1e-9)
+    assert set(done.start["obstacle"]) == {PAIR}
+    near(done.start["area"].sum(), 1.0, 1e-9)
+    each = bodies(done)
+    assert list(each["body"][0]) == ["upper", "lower"]
+    force = table(done.folder / "obstacles.csv")["force_y"]
+    assert force.max() > 0.1, "no contact"
+    change = np.diff(each["momentum_y"], axis=0)
+    near(change[:, 0], 0.01 * force[1:], 1e-12 * force.max())
+    near(change.sum(axis=1), np.zeros(len(change)), 1e-14)
+    assert abs(done.steps["contact_force_y"]).max() < 1e-12 * force.max(), "forces between parts have no resultant"
+    near(each["kinetic_energy"].sum(axis=1), done.steps["kinetic_energy"], 1e-14)
+    near(each["elastic_energy"].sum(axis=1), done.steps["elastic_energy"], 1e-14)
+    # Contact-implicit steps change the momentum by that of the displacement: y_k − y_{k−1} = τ (v_{k−1} + v_k)/2 in the mean.
+    near(np.diff(each["displacement_y"], axis=0), 0.01 * (each["momentum_y"][1:] + each["momentum_y"][:-1]) / 2, 1e-11)
+
+
+@pytest.mark.key("contact.against")
+def test_restitution(simulate: Runner) -> None:
+    """It is the ratio of the relative velocities of the two centres of mass."""
+    done = simulate(SQUARES, time__end=1.5, **FALL)
+    p = bodies(done)["momentum_y"]  # of masses of 1
+    relative = p[:, 0] - p[:, 1]
+    impact = done.manifest["impact"]
+    assert impact["restitution"] == pytest.approx(-relative[-1] / relative[0], rel=1e-9) and 0.3 < impact["restitution"] < 1
+    assert [one["name"] for one in impact["bodies"]] == ["upper", "lower"]
+    near([one["velocity_at_end"][1] for one in impact["bodies"]], p[-1])
+    near([one["mass"] for one in impact["bodies"]], [1, 1])
+    assert "relative to lower" in done.stdout
+
+
+@pytest.mark.key("contact.slave")
+@pytest.mark.parametrize("side, y, candidates, sign", (("on", 1.05, 8, 1), ("against", 1.0, 6, 1), (None, 1.05, 8, 1)))
+def test_slave(side: str | None, y: float, candidates: int, sign: int, simulate: Runner) -> None:
+    """It has the candidates; the force reported is that on the group `on` either way."""
+    done = simulate(SQUARES, **FALL, **({"contact__slave": side} if side else {}))
+    assert done.manifest["candidates"] == candidates
+    near(done.start["y"], np.full(candidates, y), 1e-9)
+    force = table(done.folder / "obstacles.csv")["force_y"]
+    assert force.max() > 0.1 and force.min() >= 0
+    default = simulate(SQUARES, **FALL)
+    near(done.steps["kinetic_energy"], default.steps["kinetic_energy"], 2e-3)  # both are exact for uniform pressure, which this nearly is
+    if side == "on":
+        same(done, default)
+
+
+@pytest.mark.key("contact.height")
+def test_height(simulate: Runner) -> None:
+    """A higher surface is nearer: as if the other square were lower by as much, which moves with the velocity of the lower one."""
+    higher = simulate(SQUARES, contact__height=0.03, **FALL)
+    near(higher.start["gap"], np.full(8, GAP - 0.03), 1e-9)
+    lower = simulate(SQUARES, initial__displacement=["0", "y < 1.02 ? 0.03 : 0"], **FALL)
+    assert higher.steps["active"].max() > 0
+    near(higher.steps["kinetic_energy"], lower.steps["kinetic_energy"], 1e-9)
+
+
+@pytest.mark.key("unknown.of", "contact.height")
+def test_fitted_height(simulate: Runner, tmp_path: Path) -> None:
+    """From the motion of the upper square, with the height and friction that made it."""
+    more = {"contact__friction": 0.3, "output": {"every": 1, "probe": [{"name": "p", "on": "upper"}]}}
+    made = simulate(SQUARES, contact__height=0.02, **more)
+    plain = SQUARES.read_text()
+    scene = tmp_path / "fit.toml"
+    scene.write_text(plain[: plain.index("[control]")].replace("two-squares.geo", str(DATA / "two-squares.geo")))
+    measurement = [{"of": "displacement", "on": "upper", "component": c, "file": str(made.folder / "probes.csv"), "column": f"p.displacement_{c}",
+                    "deviation": 1e-3} for c in "xy"]  # fmt: skip
+    done = optimize_in(tmp_path, scene, 50, unknown=[{"of": "height", "start": 0.0}, {"of": "friction", "start": 0.2}],
+                       measurement=measurement, optimizer__method="gauss-newton", **more)  # fmt: skip
+    found = table(done.folder / "parameters.csv")
+    assert list(found["unit"]) == ["m", ""]
+    assert found["value"] == pytest.approx([0.02, 0.3], rel=1e-6)
+    assert done.echo["contact"]["height"] == 0, "the scene as given"
