@@ -32,6 +32,7 @@ from standard_solid import Solid, at_ends, over_steps  # noqa: E402
 from verification_case import Case, Figure, impact  # noqa: E402
 from verification_friction import CASES as WITH_FRICTION  # noqa: E402
 from verification_oblique import CASES as OBLIQUE  # noqa: E402
+from verification_parts import CASES as OF_PARTS  # noqa: E402
 from verification_rigid import CASES as WITH_MASS  # noqa: E402
 
 
@@ -745,7 +746,7 @@ CASES = [
         less. The displacement is twice the mean of its axial component over the half sphere.""",
         cavity),
     *WITH_FRICTION,
-    *WITH_MASS,
+    *WITH_MASS, *OF_PARTS,
     *OBLIQUE,
 ]  # fmt: skip
 

@@ -295,26 +295,14 @@ double facet_measure(const fem::SurfaceMesh& surface, const fem::SurfaceMesh::Fa
 /// Computes the row of one slave node after the other.
 class Mortar {
 public:
-  Mortar(const fem::SurfaceMesh& slave, const fem::SurfaceMesh& master, int dim, bool axisymmetric,
-         const std::string& key)
+  /// `nu`: direction of each slave node; zero if it has none.
+  Mortar(const fem::SurfaceMesh& slave, const fem::SurfaceMesh& master, std::vector<Point> nu, int dim,
+         bool axisymmetric, const std::string& key)
       : slave_(slave), master_(master), dim_(dim), axisymmetric_(axisymmetric), key_(key), rule_(rule(dim)),
-        facets_(slave.vertices.size()), nu_(slave.vertices.size()) {
-    for (const fem::SurfaceMesh::Facet& facet : slave.facets) {
-      const double size = facet_measure(slave, facet, dim);
-      for (std::size_t corner = 0; corner < corners(); ++corner) {
-        const auto vertex = static_cast<std::size_t>(facet.vertices[corner]);
-        facets_[vertex].push_back(&facet);
-        for (std::size_t c = 0; c < 3; ++c)
-          nu_[vertex][c] += size * facet.normal[c];
-      }
-    }
-    for (std::size_t vertex = 0; vertex < nu_.size(); ++vertex) {
-      if (axisymmetric && slave.vertices[vertex].x[0] == 0)
-        nu_[vertex][0] = 0; // the tangent plane on the axis is normal to it
-      const double length = std::sqrt(dot(nu_[vertex], nu_[vertex]));
-      for (double& component : nu_[vertex])
-        component = length > 0 ? component / length : 0;
-    }
+        facets_(slave.vertices.size()), nu_(std::move(nu)) {
+    for (const fem::SurfaceMesh::Facet& facet : slave.facets)
+      for (std::size_t corner = 0; corner < corners(); ++corner)
+        facets_[static_cast<std::size_t>(facet.vertices[corner])].push_back(&facet);
     const Bounds of_slave = bounds_of(slave), of_master = bounds_of(master);
     // Bodies that start deeper inside each other are not found to face each other.
     constexpr double part = 0.25;
@@ -330,6 +318,17 @@ public:
     near_ = Boxes(swept).overlaps(Boxes(targets));
   }
 
+  /// Mean normal of the master surface opposite a slave node, of arbitrary length; zero if there is none.
+  [[nodiscard]] Point opposite_normal(std::size_t vertex) const {
+    Point normal{};
+    const Projection project(nu_[vertex], dim_);
+    for (const fem::SurfaceMesh::Facet* facet : facets_[vertex])
+      for (const Sample& sample : covered(*facet, vertex, project))
+        for (std::size_t c = 0; c < 3; ++c)
+          normal[c] += sample.weight * sample.slave[corner_of(*facet, vertex)] * sample.facet->normal[c];
+    return normal;
+  }
+
   [[nodiscard]] std::optional<MortarRow> row(std::size_t vertex) const {
     const Projection project(nu_[vertex], dim_);
     MortarRow row{.vertex = static_cast<int>(vertex), .nu = nu_[vertex], .area = 0, .gap = 0, .master = {}};
@@ -338,9 +337,7 @@ public:
       const std::vector<Sample> samples = covered(*facet, vertex, project);
       if (samples.empty())
         continue;
-      const auto own = static_cast<std::size_t>(std::ranges::find(facet->vertices, static_cast<int>(vertex)) -
-                                                facet->vertices.begin());
-      const Dual dual = dual_function(samples, own, corners());
+      const Dual dual = dual_function(samples, corner_of(*facet, vertex), corners());
       row.area += dual.area;
       for (std::size_t q = 0; q < samples.size(); ++q)
         for (std::size_t corner = 0; corner < corners(); ++corner)
@@ -363,6 +360,11 @@ public:
 
 private:
   [[nodiscard]] std::size_t corners() const { return static_cast<std::size_t>(dim_); }
+  /// Number of a vertex among those of its facet.
+  static std::size_t corner_of(const fem::SurfaceMesh::Facet& facet, std::size_t vertex) {
+    return static_cast<std::size_t>(std::ranges::find(facet.vertices, static_cast<int>(vertex)) -
+                                    facet.vertices.begin());
+  }
 
   /// Box of the facets around a slave node, moved along ν as far as the master surface extends.
   [[nodiscard]] Bounds sweep(std::size_t vertex, const Bounds& of_master) const {
@@ -459,12 +461,45 @@ private:
   std::vector<std::vector<std::size_t>> near_; ///< master facets that may be opposite each slave node
 };
 
+/// Sums of the normals of the facets at each vertex, weighted with their lengths or areas.
+std::vector<Point> vertex_normals(const fem::SurfaceMesh& surface, int dim) {
+  std::vector<Point> sums(surface.vertices.size());
+  for (const fem::SurfaceMesh::Facet& facet : surface.facets) {
+    const double size = facet_measure(surface, facet, dim);
+    for (std::size_t corner = 0; corner < static_cast<std::size_t>(dim); ++corner)
+      for (std::size_t c = 0; c < 3; ++c)
+        sums[static_cast<std::size_t>(facet.vertices[corner])][c] += size * facet.normal[c];
+  }
+  return sums;
+}
+
 } // namespace
 
 std::vector<MortarRow> mortar_rows(const fem::SurfaceMesh& slave, const fem::SurfaceMesh& master, int dim,
                                    bool axisymmetric, const std::string& key) {
+  std::vector<Point> nu = vertex_normals(slave, dim);
+  const auto set_unit = [&](std::size_t vertex, Point direction) {
+    if (axisymmetric && slave.vertices[vertex].x[0] == 0)
+      direction[0] = 0; // the tangent plane on the axis is normal to it
+    const double length = std::sqrt(dot(direction, direction));
+    for (std::size_t c = 0; c < 3; ++c)
+      nu[vertex][c] = length > 0 ? direction[c] / length : 0;
+  };
+  for (std::size_t vertex = 0; vertex < nu.size(); ++vertex)
+    set_unit(vertex, nu[vertex]);
+  {
+    const Mortar along_normals(slave, master, nu, dim, axisymmetric, key);
+    for (std::size_t vertex = 0; vertex < nu.size(); ++vertex) {
+      const Point opposite = along_normals.opposite_normal(vertex);
+      const double length = std::sqrt(dot(opposite, opposite));
+      Point mean{};
+      for (std::size_t c = 0; c < 3 && length > 0; ++c)
+        mean[c] = nu[vertex][c] - opposite[c] / length;
+      set_unit(vertex, mean);
+    }
+  }
   std::vector<MortarRow> rows;
-  const Mortar mortar(slave, master, dim, axisymmetric, key);
+  const Mortar mortar(slave, master, std::move(nu), dim, axisymmetric, key);
   for (std::size_t vertex = 0; vertex < slave.vertices.size(); ++vertex)
     if (std::optional<MortarRow> row = mortar.row(vertex))
       rows.push_back(std::move(*row));

@@ -12,7 +12,7 @@ namespace signorini::contact {
 /// y_i − Σ_j C_ij y_j of displacements, weighted with the dual function of the node, along the direction ν_i.
 struct MortarRow {
   int vertex;                                 ///< number of the slave node in its surface
-  std::array<double, 3> nu;                   ///< ν_i, unit normal out of the slave surface
+  std::array<double, 3> nu;                   ///< ν_i, unit vector out of the slave surface
   double area;                                ///< W_i = ∫ φ_i over the covered part, m or m²
   double gap;                                 ///< ψ_i of the undeformed bodies, m
   std::vector<std::pair<int, double>> master; ///< vertices of the master surface with C_ij; their sum is 1
@@ -20,12 +20,13 @@ struct MortarRow {
 
 /// Computes the rows of all slave nodes that face the master surface, ordered by their numbers.
 ///
-/// For each slave node i both surfaces are projected along ν_i, the mean normal of its facets. The dual
-/// function ψ_i is the combination of the facet's hat functions with ∫ ψ_i φ_k = δ_ik ∫ φ_k over the part of
-/// each facet that the master surface covers (Wohlmuth 2000; Popp, Gitterle, Gee and Wall 2010); it is
-/// integrated exactly over the intersections of slave and master facets. Each row reproduces translations,
-/// and its gap vector Σ_j C_ij x_j − x_i is parallel to ν_i, so that normal forces conserve linear and
-/// angular momentum.
+/// For each slave node i both surfaces are projected along ν_i, the mean of the normal of its facets and,
+/// with a minus, of that of the master facets opposite them: where two equal bodies touch, it is normal to
+/// the plane between them. The dual function ψ_i is the combination of the facet's hat functions with ∫ ψ_i
+/// φ_k = δ_ik ∫ φ_k over the part of each facet that the master surface covers (Wohlmuth 2000; Popp,
+/// Gitterle, Gee and Wall 2010); it is integrated exactly over the intersections of slave and master facets.
+/// Each row reproduces translations, and its gap vector Σ_j C_ij x_j − x_i is parallel to ν_i, so that normal
+/// forces conserve linear and angular momentum.
 ///
 /// `dim`: of the bodies; `axisymmetric`: whether they are bodies of revolution, whose integrals have the
 /// weight 2π r. `key`: of the contact in messages. Throws UserError if several parts of the master surface
