@@ -23,6 +23,7 @@ from signorini.post.run_folder import RunFolder  # noqa: E402
 
 # Those whose motion without a control shows nothing, and what is run of them instead.
 VERBS = {
+    "billiard": ["optimize"],
     "beam": ["simulate", "--set", "solver.linear=direct"],
     "catch": ["optimize"],
     "half-ball": ["simulate", "--set", 'control.initial=["0","0","-1"]'],

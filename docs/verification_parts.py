@@ -110,7 +110,8 @@ CASES = [
         """The force is the mean over the middle half of the contact, in which no front arrives. Dispersion smears the front that ends the
         contact over some elements, from which the velocities miss 0.5 %. Momentum is exact; velocities
         are differences of displacements over a step, and their rounding adds up.""",
-        bars, ({}, {"material.0.density": 15.0, "material.0.young": 13.5e3}, {"mesh.file": "colliding-bars-2.geo"})),
+        bars, ({}, {"material.0.density": 15.0, "material.0.young": 13.5e3}, {"mesh.file": "../meshes/two-bars-1-2.geo"}),
+        scene="../../scenes/two-bars.toml"),
     Case(
         "bar-on-bar", "A bar hits a clamped bar",
         """A steel bar of 1 m, held laterally, hits the end of an equal bar with 1 m/s; the far end of that bar is clamped. The gap is 10 µm.""",
