@@ -33,7 +33,11 @@ def impact(run: RunFolder) -> list[Table]:
         if stress:
             body.append(["Largest von Mises stress of the stored times",
                          f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}{', as contact begins' if stress.get('at_onset') else ''}"])
-        tables.append(Table("The body as a whole", ["Quantity", "Value"], body))
+        tables.append(Table(f"{given.get('body') or 'The body'} as a whole", ["Quantity", "Value"], body))
+    if "bodies" in given:
+        tables.append(Table("All bodies: velocities of their centres of mass", ["Body", "Mass", "At the start", "At the end"], [
+            [one["name"], quantity(one["mass"] * 1000, per_depth("g", run.whole)), vector(one["velocity_at_start"], "m/s"),
+             vector(one["velocity_at_end"], "m/s")] for one in given["bodies"]]))  # fmt: skip
     bounces = given.get("bounces", [])
     if len(bounces) > 1:
         most = 20

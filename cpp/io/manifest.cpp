@@ -140,6 +140,8 @@ ordered_json impact_json(const diagnostics::Impact& impact, int dim, bool fricti
   json["velocity_before"] = if_any(impact.whole.before);
   json["velocity_after"] = if_any(impact.whole.after);
   json["restitution"] = number(impact.whole.restitution);
+  if (!impact.body.empty())
+    json["body"] = impact.body;
   for (const diagnostics::BodyImpact& one : impact.bodies)
     json["bodies"].push_back({{"name", one.name},
                               {"mass", one.mass},

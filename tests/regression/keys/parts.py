@@ -54,6 +54,7 @@ def test_restitution(simulate: Runner) -> None:
     assert [one["name"] for one in impact["bodies"]] == ["upper", "lower"]
     near([one["velocity_at_end"][1] for one in impact["bodies"]], p[-1])
     near([one["mass"] for one in impact["bodies"]], [1, 1])
+    assert impact["body"] == "upper"
     assert "relative to lower" in done.stdout
 
 
