@@ -167,6 +167,34 @@ void Pressure::extend_to_axis(const std::vector<double>& pressures, std::vector<
           std::max(field[static_cast<std::size_t>(node)], pressures[static_cast<std::size_t>(candidate)]);
 }
 
+void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
+                       const std::vector<double>& pressures, std::vector<double>& field) {
+  struct Sums {
+    double force = 0, area = 0;
+  };
+  for (int contact = 0; contact < pairs.obstacle_count(); ++contact) {
+    const SurfacePair* surfaces = pairs.surfaces(contact);
+    if (!surfaces)
+      continue;
+    std::map<PetscInt, Sums> at; // by the first dof of the master node
+    for (int i = 0; i < pairs.count(); ++i)
+      if (pairs.obstacles()[i] == contact) {
+        const MortarRow& row = *pairs.mortar_row(i);
+        for (const auto& [vertex, weight] : row.master) {
+          Sums& sums = at[surfaces->master_node(vertex).first_dof];
+          sums.force += weight * row.area * pressures[static_cast<std::size_t>(i)];
+          sums.area += weight * row.area;
+        }
+      }
+    for (const auto& [dof, sums] : at) {
+      const PetscInt node = (dof - space.first_dof()) / space.dim();
+      if (dof >= space.first_dof() && node < space.owned_nodes() && sums.area > 0)
+        field[static_cast<std::size_t>(node)] =
+            std::max(field[static_cast<std::size_t>(node)], sums.force / sums.area);
+    }
+  }
+}
+
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
                              const std::vector<double>& values) {
   std::vector<double> field(static_cast<std::size_t>(space.owned_nodes()), 0.0);

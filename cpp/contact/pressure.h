@@ -65,6 +65,12 @@ private:
   std::vector<double> area_;
 };
 
+/// Sets the entries of the master nodes of contact between parts that this rank owns to the pressures there:
+/// the mean Σ_i C_ij F_i / Σ_i C_ij W_i of the candidates opposite a node. `pressures`: of the candidates,
+/// N/m². Not collective.
+void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
+                       const std::vector<double>& pressures, std::vector<double>& field);
+
 /// Converts values of candidates (m entries) to values at the nodes that this rank owns: the largest value of
 /// a node's candidates, and 0 at nodes without candidate or with negative values only. Not collective.
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,

@@ -23,6 +23,10 @@ public:
   [[nodiscard]] const fem::SurfaceMesh::Vertex& node(const MortarRow& row) const {
     return slave_.vertices[static_cast<std::size_t>(row.vertex)];
   }
+  /// Vertex of the master surface with this number.
+  [[nodiscard]] const fem::SurfaceMesh::Vertex& master_node(int vertex) const {
+    return master_.vertices[static_cast<std::size_t>(vertex)];
+  }
   /// Unclamped components of the slave node of a row, one bit for each.
   [[nodiscard]] int free_components(const MortarRow& row) const {
     return slave_free_[static_cast<std::size_t>(row.vertex)];

@@ -235,6 +235,7 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
         (*pressure_)(now.contact.normal_lambda(), now.step.scheme().impulse());
     std::vector<double> field = contact::at_nodes(problem_.space, *problem_.stepper.pairs(), pressures);
     pressure_->extend_to_axis(pressures, field);
+    contact::extend_to_masters(problem_.space, *problem_.stepper.pairs(), pressures, field);
     return field;
   });
   write(Field::friction, [&] {

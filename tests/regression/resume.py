@@ -162,6 +162,17 @@ def test_obstacle_with_mass(tmp_path: Path) -> None:
     assert table(reference / "steps.csv")["rigid_energy"].max() > 0
 
 
+def test_parts(tmp_path: Path) -> None:
+    """Two squares in contact, with friction, one of which a control moves."""
+    squares = {"scene": SOURCE / "tests" / "data" / "two-squares.toml", "mesh__size": "0.2", "time__end": "0.6"}
+    reference, out = tmp_path / "whole", tmp_path / "resumed"
+    complete(reference, **squares, optimizer__max_iterations="8")
+    complete(out, **squares, optimizer__max_iterations="3")
+    assert "resumed after iteration 3" in complete(out, "--resume", **squares, optimizer__max_iterations="8")
+    assert results(out) == results(reference)
+    assert table(reference / "steps.csv")["slip"].sum() > 20, "hardly any friction: the case says nothing"
+
+
 @pytest.fixture(scope="module")
 def on_ranks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A search from one rank to two, to three and back."""

@@ -11,10 +11,9 @@ using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("what the model lacks is refused by its name", "[scene]") {
   for (const auto& [settings, said] : std::vector<std::pair<std::vector<std::string>, const char*>>{
-           {{"contact={ on = \"bottom\", against = \"top\" }"},
-            "contact.against: not in this model: contact between"},
+           {{"contact.tie=true"}, "contact.tie: not in this model: contact of a surface with itself"},
            {{"contact.obstacle.shape=\"self-contact\""},
-            "found \"self-contact\", not in this model: contact between"},
+            "found \"self-contact\", not in this model: contact of a surface with itself"},
            {{"large_rotation=true"}, "large_rotation: not in this model: large rotations and strains;"},
            {{"material.model=\"neo-hookean\""}, "material.model: not in this model: nonlinear materials;"}})
     CHECK_THROWS_WITH(test::parse(test::source("tests/data/block.toml"), settings),
@@ -43,6 +42,7 @@ TEST_CASE("a key under another name is refused by its own name", "[scene]") {
             "axisymmetric: unknown; give the model of a body in the plane as mesh.model"},
            {"material.model=\"axisymmetric\"",
             "material.model: unknown; give the model of a body in the plane"},
+           {"contact.master=\"top\"", "contact.master: unknown; give contact of two parts of the mesh as"},
            {"contact.mu=0.3",
             "contact.mu: unknown; give Coulomb friction as contact.friction, one coefficient"},
            {"contact.Friction_Coefficient=0.3",

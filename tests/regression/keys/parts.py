@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from harness import table
@@ -56,6 +57,24 @@ def test_restitution(simulate: Runner) -> None:
     near([one["mass"] for one in impact["bodies"]], [1, 1])
     assert impact["body"] == "upper"
     assert "relative to lower" in done.stdout
+
+
+@pytest.mark.key("contact.against", "output.fields")
+def test_pressure_on_both_faces(simulate: Runner) -> None:
+    """Its integral over either face is the force, but for negative values at the end of contact, which the master's nodes would have."""
+    done = simulate(SQUARES, **FALL, output__fields=["displacement", "pressure"])
+    with h5py.File(done.folder / "state.h5") as file:
+        stored = file["Function/pressure"]
+        pressure = np.array([stored[t][:, 0] for t in sorted(stored, key=lambda t: float(t.replace("_", ".")))])
+    force = table(done.folder / "obstacles.csv")["force_y"]
+    assert len(pressure) == len(force) and force.max() > 0.1
+    for height, rounding in ((1.0, 1e-3), (1.05, 1e-9)):
+        face = np.flatnonzero(abs(done.points[:, 1] - height) < 1e-9)
+        face = face[np.argsort(done.points[face, 0])]
+        x = done.points[face, 0]
+        hats = np.gradient(x) * np.where((x > 1e-9) & (x < 1 - 1e-9), 1.0, 0.5)
+        near(pressure[:, face] @ hats, force, rounding)
+        near(np.delete(pressure, np.flatnonzero(abs(done.points[:, 1] - 1.025) < 0.03), axis=1), np.zeros((len(force), len(done.points) - 14)))
 
 
 @pytest.mark.key("contact.slave")
