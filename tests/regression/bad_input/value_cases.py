@@ -78,7 +78,7 @@ def range_cases() -> list[Case]:
             ('[contact]\non = "bottom"\nobstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }\n', ""),
             ("every = 1", 'every = 1\nfields = ["stress", "pressure"]')), at="fields ="),
         edited("unknown table of output", "every = 1", 'every = 1\ntables = ["steps", "energies"]', "output.tables: found",
-               "energies", "steps, contact, obstacles, probes, history", at="tables ="),
+               "energies", "steps, contact, obstacles, bodies, probes, history", at="tables ="),
         edited("control scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),
         edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
         edited("negative gamma", "gamma = 7.5e-4", "gamma = -7.5e-4", "objective.gamma: found -0.00075", "at least 0"),
