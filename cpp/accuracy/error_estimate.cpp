@@ -149,24 +149,21 @@ void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
 
 } // namespace
 
-void require_estimable(const scene::Scene& scene, const char* option, const char* instead) {
+std::string not_estimated(const scene::Scene& scene) {
   if (scene.relaxes())
-    throw UserError(fmt::format("{}: cannot be combined with material.prony, since the error estimate does "
-                                "not include relaxation; {}",
-                                option, instead));
+    return "material.prony, since the error estimate does not include relaxation";
   if (scene.rigid())
-    throw UserError(fmt::format("{}: cannot be combined with contact.obstacle.mass, since the error estimate "
-                                "does not include the obstacle's motion; {}",
-                                option, instead));
+    return "contact.obstacle.mass, since the error estimate does not include the obstacle's motion";
   if (scene.several_bodies())
-    throw UserError(
-        fmt::format("{}: cannot be combined with contact.against, since the error estimate does not "
-                    "include contact between parts; {}",
-                    option, instead));
+    return "contact.against, since the error estimate does not include contact between parts";
   if (scene.frictional())
-    throw UserError(fmt::format("{}: cannot be combined with contact.friction, since the error estimate does "
-                                "not include slip; {}",
-                                option, instead));
+    return "contact.friction, since the error estimate does not include slip";
+  return "";
+}
+
+void require_estimable(const scene::Scene& scene, const char* option, const char* instead) {
+  if (const std::string reason = not_estimated(scene); !reason.empty())
+    throw UserError(fmt::format("{}: cannot be combined with {}; {}", option, reason, instead));
 }
 
 adjoint::ErrorParts estimate_error(const problem::Problem& problem,

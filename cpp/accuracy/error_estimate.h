@@ -3,12 +3,16 @@
 #include "adjoint/weighted_residual.h"
 #include "base/error.h"
 #include "problem/problem.h"
+#include <string>
 #include <vector>
 
 namespace signorini::accuracy {
 
-/// Throws UserError if a material of the scene relaxes or an obstacle has friction, since estimate_error()
-/// includes neither. `option`: option that needs the estimate; `instead`: remedy, for the message.
+/// Returns a key of the scene whose effect estimate_error() does not include, with the reason, for messages;
+/// empty if it includes all effects.
+[[nodiscard]] std::string not_estimated(const scene::Scene& scene);
+/// Throws UserError unless estimate_error() includes all effects of the scene. `option`: option that needs
+/// the estimate; `instead`: remedy, for the message.
 void require_estimable(const scene::Scene& scene, const char* option, const char* instead);
 
 /// Estimates the error J(exact) − J at the current control of `control_problem`, without a finer run

@@ -302,7 +302,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& s
     }
     measured.seconds = seconds(timers);
     simulate(problem, reduced.load(), std::ref(watch));
-    if (estimate && !scene.relaxes() && !scene.frictional() && !scene.rigid() && !scene.several_bodies())
+    if (estimate && not_estimated(scene).empty())
       measured.estimate = estimate_error(problem, control_problem);
   }
   measured.steps = problem.steps();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/mortar.h"
-#include "base/dolfinx_versions.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "contact/box_search.h"
+#include "contact/facet_projection.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <basix/quadrature.h>
 #include <cmath>
-#include <dolfinx/geometry/utils.h>
 #include <fmt/format.h>
 #include <map>
 #include <numbers>
@@ -16,113 +16,10 @@ namespace signorini::contact {
 
 namespace {
 
-using Point = std::array<double, 3>;
-using Plane = std::array<double, 2>; ///< coordinates across ν; in the plane the second one is 0
-
 /// Least cosine between a facet's normal and ν with which they count as facing.
 constexpr double least_cosine = 0.05;
 /// Part of a facet below which a covered part is left out: its dual functions would be rounding errors.
 constexpr double sliver = 1e-6;
-
-/// Facet that is projected along ν.
-struct Projected {
-  std::array<Plane, 3> corners; ///< dim corners
-  std::array<double, 3> level;  ///< their coordinates along ν, m
-};
-
-/// Coordinates across and along a direction ν.
-class Projection {
-public:
-  Projection(const Point& nu, int dim) : dim_(static_cast<std::size_t>(dim)), nu_(nu) {
-    if (dim == 2) {
-      across_ = {Point{-nu[1], nu[0], 0}, Point{}};
-      return;
-    }
-    std::size_t least = 0;
-    for (std::size_t c = 1; c < 3; ++c)
-      if (std::abs(nu[c]) < std::abs(nu[least]))
-        least = c;
-    Point first{};
-    for (std::size_t c = 0; c < 3; ++c)
-      first[c] = (c == least) - nu[least] * nu[c];
-    const double length = std::sqrt(dot(first, first));
-    for (double& component : first)
-      component /= length;
-    across_ = {first, Point{nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2],
-                            nu[0] * first[1] - nu[1] * first[0]}};
-  }
-
-  [[nodiscard]] Projected operator()(const fem::SurfaceMesh& surface,
-                                     const fem::SurfaceMesh::Facet& facet) const {
-    Projected made{};
-    for (std::size_t corner = 0; corner < dim_; ++corner) {
-      const Point& x = surface.vertices[static_cast<std::size_t>(facet.vertices[corner])].x;
-      made.corners[corner] = {dot(x, across_[0]), dot(x, across_[1])};
-      made.level[corner] = dot(x, nu_);
-    }
-    return made;
-  }
-
-private:
-  std::size_t dim_;
-  Point nu_;
-  std::array<Point, 2> across_{};
-};
-
-double orientation(const Plane& a, const Plane& b, const Plane& c) {
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/// Length or area of a projected simplex; negative if its corners are clockwise.
-double measure(const std::array<Plane, 3>& corners, int dim) {
-  return dim == 2 ? corners[1][0] - corners[0][0] : orientation(corners[0], corners[1], corners[2]) / 2;
-}
-
-/// Barycentric coordinates of x in a projected facet.
-std::array<double, 3> barycentric(const std::array<Plane, 3>& corners, const Plane& x, int dim) {
-  if (dim == 2) {
-    const double s = (x[0] - corners[0][0]) / (corners[1][0] - corners[0][0]);
-    return {1 - s, s, 0};
-  }
-  const double whole = orientation(corners[0], corners[1], corners[2]),
-               second = orientation(corners[0], x, corners[2]) / whole,
-               third = orientation(corners[0], corners[1], x) / whole;
-  return {1 - second - third, second, third};
-}
-
-/// Intersection of two projected facets, as simplices of positive measure.
-std::vector<std::array<Plane, 3>> intersection(std::array<Plane, 3> a, std::array<Plane, 3> b, int dim) {
-  for (std::array<Plane, 3>* facet : {&a, &b})
-    if (measure(*facet, dim) < 0)
-      std::swap((*facet)[0], (*facet)[1]);
-  if (dim == 2) {
-    const double begin = std::max(a[0][0], b[0][0]), end = std::min(a[1][0], b[1][0]);
-    if (end > begin)
-      return {{Plane{begin, 0}, Plane{end, 0}, Plane{}}};
-    return {};
-  }
-  std::vector<Plane> polygon(a.begin(), a.end()), cut; // by Sutherland and Hodgman
-  for (std::size_t edge = 0; edge < 3 && !polygon.empty(); ++edge) {
-    const Plane &from = b[edge], &to = b[(edge + 1) % 3];
-    cut.clear();
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Plane &here = polygon[i], &next = polygon[(i + 1) % polygon.size()];
-      const double side = orientation(from, to, here), next_side = orientation(from, to, next);
-      if (side >= 0)
-        cut.push_back(here);
-      if (side * next_side < 0) {
-        const double s = side / (side - next_side);
-        cut.push_back({here[0] + s * (next[0] - here[0]), here[1] + s * (next[1] - here[1])});
-      }
-    }
-    std::swap(polygon, cut);
-  }
-  std::vector<std::array<Plane, 3>> parts;
-  for (std::size_t i = 2; i < polygon.size(); ++i)
-    if (const std::array<Plane, 3> part{polygon[0], polygon[i - 1], polygon[i]}; measure(part, dim) > 0)
-      parts.push_back(part);
-  return parts;
-}
 
 /// Quadrature on a simplex of dimension dim − 1, exact for polynomials of degree 3: reference points (points
 /// × (dim − 1)) and weights whose sum is 1.
@@ -200,85 +97,18 @@ Dual dual_function(const std::vector<Sample>& samples, std::size_t own, std::siz
   return dual;
 }
 
-/// Bounding box by its lower and upper corner, m.
-struct Bounds {
-  Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-            std::numeric_limits<double>::infinity()},
-      high{-low[0], -low[1], -low[2]};
-
-  void include(const Point& x) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = std::min(low[c], x[c]);
-      high[c] = std::max(high[c], x[c]);
-    }
-  }
-  [[nodiscard]] double diagonal() const {
-    return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-  }
-  [[nodiscard]] Point corner(int number) const {
-    return {number & 1 ? high[0] : low[0], number & 2 ? high[1] : low[1], number & 4 ? high[2] : low[2]};
-  }
-};
-
-Bounds bounds_of(const fem::SurfaceMesh& surface) {
-  Bounds bounds;
+Box box_of(const fem::SurfaceMesh& surface) {
+  Box box = Box::empty(3);
   for (const fem::SurfaceMesh::Vertex& vertex : surface.vertices)
-    bounds.include(vertex.x);
-  return bounds;
+    box.include(vertex.x);
+  return box;
 }
 
-/// Tree of bounding boxes. dolfinx makes trees of the cells of a mesh: here of the boxes' diagonals, which
-/// further cells join to one line, since dolfinx orders a mesh of many parts in quadratic time.
-class Boxes {
-public:
-  explicit Boxes(const std::vector<Bounds>& all) : diagonals_(mesh_of(all)) {
-    const auto& numbers = diagonals_.topology()->original_cell_index;
-    if constexpr (requires { numbers[0][0]; })
-      number_.assign(numbers.front().begin(), numbers.front().end());
-    else
-      number_.assign(numbers.begin(), numbers.end());
-    std::vector<std::int32_t> cells;
-    for (std::size_t i = 0; i < number_.size(); ++i)
-      if (number_[i] < static_cast<std::int64_t>(all.size()))
-        cells.push_back(static_cast<std::int32_t>(i));
-    tree_.emplace(dolfinx_versions::bounding_boxes(diagonals_, 1, std::span<const std::int32_t>(cells)));
-  }
-
-  /// Returns for each of these boxes the numbers of the other boxes that it overlaps, ascending.
-  [[nodiscard]] std::vector<std::vector<std::size_t>> overlaps(const Boxes& others) const {
-    std::vector<std::vector<std::size_t>> found((number_.size() + 1) / 2);
-    const std::vector<std::int32_t> pairs = dolfinx::geometry::compute_collisions(*tree_, *others.tree_);
-    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2)
-      found[number(pairs[i])].push_back(others.number(pairs[i + 1]));
-    for (std::vector<std::size_t>& each : found)
-      std::ranges::sort(each);
-    return found;
-  }
-
-private:
-  static dolfinx::mesh::Mesh<double> mesh_of(const std::vector<Bounds>& all) {
-    std::vector<double> x;
-    std::vector<std::int64_t> cells;
-    for (const Bounds& one : all)
-      for (const Point& end : {one.low, one.high}) {
-        x.insert(x.end(), end.begin(), end.end());
-        cells.push_back(static_cast<std::int64_t>(cells.size()));
-      }
-    for (std::int64_t end = 1; end + 1 < static_cast<std::int64_t>(2 * all.size()); end += 2)
-      cells.insert(cells.end(), {end, end + 1});
-    const dolfinx::fem::CoordinateElement<double> element(dolfinx::mesh::CellType::interval, 1);
-    return dolfinx_versions::create_mesh(MPI_COMM_SELF, MPI_COMM_SELF, std::span<const std::int64_t>(cells),
-                                         element, x, {2 * all.size(), 3}, false);
-  }
-  [[nodiscard]] std::size_t number(std::int32_t cell) const {
-    return static_cast<std::size_t>(number_[static_cast<std::size_t>(cell)]);
-  }
-
-  dolfinx::mesh::Mesh<double> diagonals_;
-  std::vector<std::int64_t>
-      number_; ///< number of each cell's box; larger ones are of cells between two boxes
-  std::optional<dolfinx::geometry::BoundingBoxTree<double>> tree_;
-};
+/// Corner 0 … 7 of a box.
+Point corner_of(const Box& box, int number) {
+  return {number & 1 ? box.high[0] : box.low[0], number & 2 ? box.high[1] : box.low[1],
+          number & 4 ? box.high[2] : box.low[2]};
+}
 
 double facet_measure(const fem::SurfaceMesh& surface, const fem::SurfaceMesh::Facet& facet, int dim) {
   const auto corner = [&](std::size_t i) {
@@ -308,19 +138,19 @@ public:
     for (const fem::SurfaceMesh::Facet& facet : slave.facets)
       for (std::size_t corner = 0; corner < corners(); ++corner)
         facets_[static_cast<std::size_t>(facet.vertices[corner])].push_back(&facet);
-    const Bounds of_slave = bounds_of(slave), of_master = bounds_of(master);
+    const Box of_slave = box_of(slave), of_master = box_of(master);
     // Bodies that start deeper inside each other are not found to face each other.
     constexpr double part = 0.25;
     deepest_ = part * std::min(of_slave.diagonal(), of_master.diagonal());
-    std::vector<Bounds> swept, targets;
+    std::vector<Box> swept, targets;
     for (std::size_t vertex = 0; vertex < nu_.size(); ++vertex)
       swept.push_back(sweep(vertex, of_master));
     for (const fem::SurfaceMesh::Facet& facet : master.facets) {
-      Bounds& box = targets.emplace_back();
+      Box& box = targets.emplace_back(Box::empty(3));
       for (std::size_t corner = 0; corner < corners(); ++corner)
         box.include(master.vertices[static_cast<std::size_t>(facet.vertices[corner])].x);
     }
-    near_ = Boxes(swept).overlaps(Boxes(targets));
+    near_ = overlaps(swept, targets);
   }
 
   /// Mean normal of the master surface opposite a slave node, of arbitrary length; zero if there is none.
@@ -330,7 +160,7 @@ public:
     for (const fem::SurfaceMesh::Facet* facet : facets_[vertex])
       for (const Sample& sample : covered(*facet, vertex, project))
         for (std::size_t c = 0; c < 3; ++c)
-          normal[c] += sample.weight * sample.slave[corner_of(*facet, vertex)] * sample.facet->normal[c];
+          normal[c] += sample.weight * sample.slave[place_in(*facet, vertex)] * sample.facet->normal[c];
     return normal;
   }
 
@@ -342,7 +172,7 @@ public:
       const std::vector<Sample> samples = covered(*facet, vertex, project);
       if (samples.empty())
         continue;
-      const Dual dual = dual_function(samples, corner_of(*facet, vertex), corners());
+      const Dual dual = dual_function(samples, place_in(*facet, vertex), corners());
       row.area += dual.area;
       for (std::size_t q = 0; q < samples.size(); ++q)
         for (std::size_t corner = 0; corner < corners(); ++corner)
@@ -366,20 +196,20 @@ public:
 private:
   [[nodiscard]] std::size_t corners() const { return static_cast<std::size_t>(dim_); }
   /// Number of a vertex among those of its facet.
-  static std::size_t corner_of(const fem::SurfaceMesh::Facet& facet, std::size_t vertex) {
+  static std::size_t place_in(const fem::SurfaceMesh::Facet& facet, std::size_t vertex) {
     return static_cast<std::size_t>(std::ranges::find(facet.vertices, static_cast<int>(vertex)) -
                                     facet.vertices.begin());
   }
 
   /// Box of the facets around a slave node, moved along ν as far as the master surface extends.
-  [[nodiscard]] Bounds sweep(std::size_t vertex, const Bounds& of_master) const {
-    Bounds box;
+  [[nodiscard]] Box sweep(std::size_t vertex, const Box& of_master) const {
+    Box box = Box::empty(3);
     for (const fem::SurfaceMesh::Facet* facet : facets_[vertex])
       for (std::size_t corner = 0; corner < corners(); ++corner) {
         const Point& x = slave_.vertices[static_cast<std::size_t>(facet->vertices[corner])].x;
         double reach = -deepest_;
         for (int number = 0; number < 8; ++number)
-          reach = std::max(reach, dot(of_master.corner(number), nu_[vertex]) - dot(x, nu_[vertex]));
+          reach = std::max(reach, dot(corner_of(of_master, number), nu_[vertex]) - dot(x, nu_[vertex]));
         for (const double way : {-deepest_, reach}) {
           Point moved = x;
           for (std::size_t c = 0; c < 3; ++c)

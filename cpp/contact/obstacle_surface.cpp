@@ -196,15 +196,6 @@ private:
 
 } // namespace
 
-double Box::longest_side() const { return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}); }
-
-Box Box::empty(int dim) {
-  Box box;
-  std::fill_n(box.low.begin(), dim, std::numeric_limits<double>::infinity());
-  std::fill_n(box.high.begin(), dim, -std::numeric_limits<double>::infinity());
-  return box;
-}
-
 ObstacleSurface surface_within(const Obstacle& obstacle, const Obstacle::Place& place, int dim,
                                const Box& box, int cells) {
   const auto components = static_cast<std::size_t>(dim);

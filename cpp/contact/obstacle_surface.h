@@ -1,32 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "contact/box.h"
 #include "contact/obstacle.h"
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace signorini::contact {
-
-/// Box parallel to the axes, given by two opposite corners, m. In the plane the third components are zero.
-struct Box {
-  std::array<double, 3> low{}, high{};
-
-  /// Returns an empty box, which include() can extend.
-  [[nodiscard]] static Box empty(int dim);
-  [[nodiscard]] double longest_side() const;
-  /// Extends the box so that it contains a point or another box.
-  void include(const std::array<double, 3>& x) { // called for every node at every stored time
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = std::min(low[c], x[c]);
-      high[c] = std::max(high[c], x[c]);
-    }
-  }
-  void include(const Box& other) {
-    include(other.low);
-    include(other.high);
-  }
-};
 
 /// Part of an obstacle's surface. In the plane it consists of line segments with the obstacle on their right,
 /// in space of triangles that are counterclockwise as seen from outside of the obstacle.

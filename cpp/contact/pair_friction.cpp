@@ -5,6 +5,7 @@
 #include "contact/pairs.h"
 #include "contact/pressure.h"
 #include "contact/row_basis.h"
+#include "contact/tangents.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <array>
@@ -35,24 +36,9 @@ void ContactPairs::add_tangents(const BoundaryNode& node, ConstraintRows::Group&
           keys_[static_cast<std::size_t>(node.obstacle)], point_text(node.x.data())));
     group.others.push_back(std::move(row));
   };
-  if (dim == 2)
-    return add({-nu[1], nu[0], 0});
-  // Tangents along the coordinate planes where these are tangential, as the planes of symmetry often are.
-  std::size_t least = 0;
-  for (std::size_t c = 1; c < dim; ++c)
-    if (std::abs(nu[c]) < std::abs(nu[least]))
-      least = c;
-  std::array<double, 3> first{};
-  double size = 0;
-  for (std::size_t c = 0; c < dim; ++c) {
-    first[c] = (c == least) - nu[least] * nu[c];
-    size = std::hypot(size, first[c]);
-  }
-  for (double& component : first)
-    component /= size;
-  add(first);
-  add({nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2],
-       nu[0] * first[1] - nu[1] * first[0]});
+  const std::array<std::array<double, 3>, 2> along = tangents(nu, dim_);
+  for (std::size_t direction = 0; direction + 1 < dim; ++direction)
+    add(along[direction]);
 }
 
 void ContactPairs::add_surface_ways(int obstacle, const scene::Field& velocity, double t0, double t1,

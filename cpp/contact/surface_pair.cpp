@@ -86,9 +86,10 @@ SurfacePair::SurfacePair(const fem::Space& space, const fem::DirichletDofs& clam
   if (contact.slave ? *contact.slave == scene::ContactSide::against
                     : facet_size(master_, dim) < (1 - rounding) * facet_size(slave_, dim))
     exchange();
-  if (find_rows() && !contact.slave)
-    exchange(), (void)find_rows();
-  if (const fem::SurfaceMesh::Vertex* held = held_node(slave_, rows_, slave_free_))
+  const fem::SurfaceMesh::Vertex* held = find_rows();
+  if (held && !contact.slave)
+    exchange(), held = find_rows();
+  if (held)
     throw UserError(fmt::format(
         "{}.slave: a clamp holds the node at {} of the group \"{}\" towards the other part; {}", key,
         point_text(held->x.data()), side_ == scene::ContactSide::on ? contact.on : *contact.against,

@@ -2,6 +2,7 @@
 #include "diagnostics/warnings.h"
 #include "base/collective.h"
 #include "base/text.h"
+#include "contact/tangents.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <cmath>
@@ -25,30 +26,14 @@ struct Neighbour {
   double distance, xi, eta, rise; ///< m; rise: gap minus the gap at the centre
 };
 
-/// Returns two unit vectors normal to ν and to each other; in the plane one unit vector and zero.
-std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
-  if (dim == 2)
-    return {Point{-nu[1], nu[0], 0}, Point{}};
-  Point first{};
-  const auto least = static_cast<std::size_t>(
-      std::min_element(nu, nu + 3, [](double a, double b) { return std::abs(a) < std::abs(b); }) - nu);
-  double length = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    first[c] = (c == least) - nu[least] * nu[c];
-    length = std::hypot(length, first[c]);
-  }
-  for (double& component : first)
-    component /= length;
-  return {first, Point{nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2],
-                       nu[0] * first[1] - nu[1] * first[0]}};
-}
-
 /// Returns the nearest candidates of the same obstacle around candidate `centre`, in ascending distance.
 std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_t centre) {
   const auto dim = static_cast<std::size_t>(pairs.dim());
   const std::size_t most = dim == 2 ? 4 : 18; // two on either side, two rings of triangles
   const std::vector<double>& x = pairs.points();
-  const std::array<Point, 2> along = tangents(&pairs.normals()[dim * centre], dim);
+  Point nu{};
+  std::copy_n(&pairs.normals()[dim * centre], dim, nu.begin());
+  const std::array<Point, 2> along = contact::tangents(nu, pairs.dim());
   std::vector<Neighbour> all;
   for (std::size_t i = 0; i < pairs.psi().size(); ++i) {
     if (i == centre || pairs.obstacles()[i] != pairs.obstacles()[centre])

@@ -58,7 +58,7 @@ def test_end_of_a_bounce(tmp_path: Path, simulate: Runner) -> None:
 
 
 def test_bounce_on_an_edge(tmp_path: Path, simulate: Runner) -> None:
-    """The block turns and comes down on its other edge: the motion goes on until that touch is over too."""
+    """The block turns and comes down on its other edge: the motion continues until that touch is over too."""
     n = np.array([0.25, 1]) / np.hypot(0.25, 1)
     edge = {"contact__obstacle__normal": [0.25, 1], "load__gravity": list(-G * n), "material__young": 2e4,
             "time__step": 2e-3, "material__viscosity": {"bulk": 1.0, "shear": 1.0}}  # fmt: skip
