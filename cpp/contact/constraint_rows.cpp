@@ -4,6 +4,8 @@
 #include "contact/row_basis.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -13,25 +15,35 @@ using petsc::check;
 
 ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, PetscInt first, PetscInt end)
     : comm_(comm), row_begin_{0} {
-  std::size_t of_cluster = 0; // begin of the present cluster's dofs
-  std::vector<PetscInt> shared;
+  std::size_t of_cluster = 0;   // begin of the present cluster's dofs
+  std::vector<PetscInt> shared; // in the order of their first entries
+  std::map<PetscInt, int> shared_place;
   const auto place_of = [&](const Entry& entry) { // negative: a shared dof, whose place is not known yet
-    std::vector<PetscInt>& among = entry.shared ? shared : dofs_;
-    const auto from = entry.shared ? among.begin() : among.begin() + static_cast<std::ptrdiff_t>(of_cluster);
-    const auto at = static_cast<int>(std::find(from, among.end(), entry.dof) - among.begin());
-    if (at == std::ssize(among))
-      among.push_back(entry.dof);
-    return entry.shared ? -1 - at : at;
+    if (entry.shared) {
+      const auto [at, first_entry] = shared_place.try_emplace(entry.dof, static_cast<int>(shared.size()));
+      if (first_entry)
+        shared.push_back(entry.dof);
+      return -1 - at->second;
+    }
+    const auto from = dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster);
+    const auto at = static_cast<int>(std::find(from, dofs_.end(), entry.dof) - dofs_.begin());
+    if (at == std::ssize(dofs_))
+      dofs_.push_back(entry.dof);
+    return at;
   };
   const auto known = [&](const Entry& entry) {
     return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof) !=
            dofs_.end();
   };
   const auto add_row = [&](const std::vector<Entry>& row) {
+    own_entries_.push_back(static_cast<std::size_t>(std::ranges::count(row, false, &Entry::shared)));
+    lifted_.push_back(std::ranges::any_of(
+        row, [](const Entry& entry) { return entry.shared && entry.lift.value_or(0) != 0; }));
     for (const Entry& entry : row) {
       columns_.push_back(place_of(entry));
       motions_.push_back(entry.coefficient);
       forces_.push_back(entry.clamped ? 0 : entry.coefficient);
+      lifts_.push_back(entry.lift.value_or(entry.shared ? 0 : entry.coefficient));
       clamped_.push_back(entry.clamped);
       any_clamped_ = any_clamped_ || entry.clamped;
     }
@@ -56,10 +68,20 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, 
   if (dofs_.size() > constrained)
     throw std::logic_error("a further row of a group has a dof that the group's first row lacks");
   own_ = dofs_.size();
+  std::map<PetscInt, int> own_place;
+  for (std::size_t i = 0; i < own_ && !shared.empty(); ++i)
+    own_place[dofs_[i]] = static_cast<int>(i);
+  std::vector<int> place; // of each shared dof
+  for (const PetscInt dof : shared)
+    if (const auto found = own_place.find(dof); found != own_place.end()) {
+      place.push_back(found->second);
+    } else {
+      place.push_back(static_cast<int>(dofs_.size()));
+      dofs_.push_back(dof);
+    }
   for (int& column : columns_)
     if (column < 0)
-      column = static_cast<int>(own_) - 1 - column;
-  dofs_.insert(dofs_.end(), shared.begin(), shared.end());
+      column = place[static_cast<std::size_t>(-1 - column)];
   for (const PetscInt dof : dofs_)
     local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);
   find_clusters();
@@ -94,6 +116,10 @@ ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
   ConstraintRows other = *this;
   for (std::size_t i = 0; i < coefficients.size(); ++i)
     other.forces_[i] = clamped_[i] ? 0 : coefficients[i];
+  for (std::size_t row = 0; row < rows_count(); ++row)
+    for (std::size_t j = row_begin_[row]; j < row_begin_[row + 1]; ++j)
+      other.lifts_[j] = j < row_begin_[row] + own_entries_[row] ? coefficients[j] : 0;
+  other.lifted_.assign(rows_count(), false);
   other.motions_ = std::move(coefficients);
   return other;
 }
@@ -101,9 +127,9 @@ ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
 void ConstraintRows::spread(int group, std::span<double> out) const {
   std::ranges::fill(out, 0);
   const std::span<const int> at = own_columns(group);
-  const std::span<const double> values = force(group);
+  const std::span<const double> values = lift(group);
   for (std::size_t j = 0; j < at.size(); ++j)
-    out[at[j] - cluster(group).begin] = values[j];
+    out[at[j] - cluster(group).begin] = clamped_[row_begin_[group] + j] ? 0 : values[j];
 }
 
 void ConstraintRows::spread(const ContactLinearisation& contact, std::span<double> out) const {
@@ -209,10 +235,10 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   std::vector<double> sums(rows_count());
   {
     const petsc::ReadArray d(diagonal);
-    for_each(forces_, 0, sums.size(), [&](std::size_t row, std::size_t column, double h) {
-      if (const int local = local_[column]; local >= 0 && column < own_)
-        sums[row] += h * h * d[local];
-    });
+    for (std::size_t row = 0; row < sums.size(); ++row)
+      for (std::size_t j = row_begin_[row]; j < row_begin_[row + 1]; ++j)
+        if (const int local = local_[columns_[j]]; local >= 0 && !clamped_[j])
+          sums[row] += lifts_[j] * lifts_[j] * d[local];
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
@@ -253,6 +279,16 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
         basis.add(*at);
       if (all.empty() ? !cluster.here : rank(comm_) > 0)
         continue;
+      if (lifted(cluster.first)) {
+        for (std::size_t k = 0; k < basis.size(); ++k) {
+          const std::size_t row = basis.member(k);
+          for (std::size_t j = row_begin_[row]; j < row_begin_[row + 1]; ++j)
+            lambda[row] += clamped_[j]   ? 0
+                           : all.empty() ? lifts_[j] * values[local_[columns_[j]]]
+                                         : lifts_[j] * all[columns_[j]];
+        }
+        continue;
+      }
       SmallArray<double, 3> here(cluster.width());
       take(cluster, values, all, here);
       RowBasis::Coordinates b = basis.coordinates();
@@ -267,13 +303,52 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
                 comm_); // exact, as above
 }
 
+void ConstraintRows::prescribe_by_lifts(std::span<const int> set, std::span<const double> value,
+                                        Vec x) const {
+  std::vector<double> all = gathered(x);
+  const petsc::WriteArray values(x);
+  if (all.empty())
+    for (const int local : local_)
+      all.push_back(values[local]);
+  double size = 0;
+  for (const int row : set)
+    size = std::max(size, std::abs(value[row]));
+  for (const double one : all)
+    size = std::max(size, std::abs(one));
+  // One sweep suffices, unless clamps hold dofs of lifts.
+  constexpr int sweeps = 50;
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * size;
+  double worst = 0;
+  for (int sweep = 0; sweep == 0 || (sweep < sweeps && worst > rounding); ++sweep) {
+    worst = 0;
+    for (const int row : set) {
+      if (!lifted(row))
+        continue;
+      double left = value[row], per_lift = 0;
+      for (std::size_t j = row_begin_[row]; j < row_begin_[static_cast<std::size_t>(row) + 1]; ++j) {
+        left -= motions_[j] * all[columns_[j]];
+        per_lift += clamped_[j] ? 0 : motions_[j] * lifts_[j];
+      }
+      worst = std::max(worst, std::abs(left));
+      for (std::size_t j = row_begin_[row]; j < row_begin_[static_cast<std::size_t>(row) + 1]; ++j)
+        if (!clamped_[j])
+          all[columns_[j]] += lifts_[j] * left / per_lift;
+    }
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (local_[i] >= 0)
+      values[local_[i]] = all[i];
+}
+
 void ConstraintRows::prescribe(std::span<const int> set, std::span<const double> value, Vec x) const {
+  if (std::ranges::any_of(set, [this](int row) { return lifted(row); }))
+    prescribe_by_lifts(set, value, x);
   const std::vector<double> all = gathered(x);
   const petsc::WriteArray values(x);
   RowBasis basis(*this);
   for (auto at = set.begin(); at != set.end();) {
     const Cluster& cluster = this->cluster(*at);
-    if (all.empty() && !cluster.here) {
+    if ((all.empty() && !cluster.here) || lifted(*at)) {
       at = std::find_if(at, set.end(), [&](int i) { return i >= cluster.last; });
       continue;
     }
@@ -287,10 +362,10 @@ void ConstraintRows::prescribe(std::span<const int> set, std::span<const double>
         const std::span<const double> row = motion(*at);
         double moved = 0;
         for (std::size_t j = 0; j < row.size(); ++j) {
-          const auto column = static_cast<std::size_t>(columns[j]);
-          moved += row[j] * (column < own_ ? here[columns[j] - cluster.begin]
-                             : all.empty() ? values[local_[column]]
-                                           : all[column]);
+          const int column = columns[j];
+          moved += row[j] * (column >= cluster.begin && column < cluster.end ? here[column - cluster.begin]
+                             : all.empty()                                   ? values[local_[column]]
+                                                                             : all[column]);
         }
         change[basis.size() - 1] = value[*at] - moved;
       }

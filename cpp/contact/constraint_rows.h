@@ -3,6 +3,7 @@
 #include "base/petsc.h"
 #include "contact/law.h"
 #include <array>
+#include <optional>
 #include <span>
 
 namespace signorini::contact {
@@ -15,16 +16,20 @@ namespace signorini::contact {
 /// Rows form groups, each with one contact law: a group has one normal row without friction, and tangential
 /// rows too with friction. Row i < groups() is the first row of group i; the other rows follow after all
 /// first rows, group by group. First rows that have dofs of the mesh in common form a cluster and have
-/// consecutive numbers: those of one node. Dofs of virtual nodes are shared: rows of many clusters have them.
-/// The matrix is the same on every rank. Arrays over rows have count() entries; arrays over first rows only,
-/// such as those over candidates, have groups() entries.
+/// consecutive numbers: those of one node. Dofs of virtual nodes and of other surfaces are shared: rows of
+/// many clusters have them. The lift of a row is a change of dofs by which its motion Hᵀy changes: along the
+/// row itself or, where rows of several clusters have these dofs, a change that other rows do not see. The
+/// matrix is the same on every rank. Arrays over rows have count() entries; arrays over first rows only, such
+/// as those over candidates, have groups() entries.
 class ConstraintRows {
 public:
   struct Entry {
     PetscInt dof; ///< global number of the dof
     double coefficient;
     bool clamped;
-    bool shared = false; ///< whether the dof is that of a virtual node
+    bool shared = false; ///< whether rows of other clusters may have the dof too
+    /// Coefficient of the dof in the row's lift; by default `coefficient`, or 0 if the dof is shared.
+    std::optional<double> lift{};
   };
   struct Group {
     std::vector<Entry> entries{};             ///< entries of the group's first row, shared dofs last
@@ -85,12 +90,15 @@ public:
   [[nodiscard]] std::span<const double> force(int row) const { return part(forces_, row); }
   /// Coefficients of a row at all of its dofs, clamped ones included.
   [[nodiscard]] std::span<const double> motion(int row) const { return part(motions_, row); }
+  /// Coefficients of a row's lift at all of its dofs, clamped ones included. The first ones are those at the
+  /// candidate's node: the direction of its motion.
+  [[nodiscard]] std::span<const double> lift(int row) const { return part(lifts_, row); }
   /// Position in dofs() of the dof of each entry of a row.
   [[nodiscard]] std::span<const int> columns(int row) const {
     return {&columns_[row_begin_[row]], row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[row]};
   }
-  /// Sets `out` (width of the cluster) to the force coefficients of a group's first row at the dofs of its
-  /// cluster; shared dofs are left out.
+  /// Sets `out` (width of the cluster) to the lift of a group's first row at the dofs of its cluster, with
+  /// zero at clamped dofs; shared dofs are left out.
   void spread(int group, std::span<double> out) const;
   /// Sets `out` to the multipliers of all rows, with zero outside the active set.
   void spread(const ContactLinearisation& contact, std::span<double> out) const;
@@ -117,18 +125,18 @@ public:
   /// Returns the rows [first, first + count) of Hᵀ as a sparse matrix, all on rank 0, zero at clamped dofs.
   /// `layout`: any vector of V. Collective.
   [[nodiscard]] petsc::Matrix rows(int first, int count, Vec layout) const;
-  /// Returns Σ_j h_j² d_j for each row, where h are its force coefficients without those of shared dofs and d
-  /// is a diagonal matrix. Collective.
+  /// Returns Σ_j h_j² d_j for each row, where h is its lift at unclamped dofs and d is a diagonal matrix.
+  /// Collective.
   [[nodiscard]] std::vector<double> weighted_squares(Vec diagonal) const;
 
   /// Computes the multipliers λ of the first rows of the groups in `set` (ascending), so that Hλ = x at the
-  /// dofs of their clusters; all other multipliers become zero. There x must be a combination of these rows'
-  /// forces. Shared dofs are not regarded. Among linearly dependent rows, those that come first in `set` get
+  /// dofs of their lifts; all other multipliers become zero. There x must be a combination of these rows'
+  /// forces. Other dofs are not regarded. Among linearly dependent rows, those that come first in `set` get
   /// the force. Collective.
   void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
-  /// Changes unclamped dofs of x that are not shared as little as possible (Euclidean norm) so that Hᵀx =
-  /// `value` on `set`. Among
-  /// linearly dependent rows, only the first independent ones are satisfied. Collective.
+  /// Changes unclamped dofs of x along the lifts of the rows in `set`, as little as possible (Euclidean norm)
+  /// at each cluster, so that Hᵀx = `value` on `set`. Among linearly dependent rows, only the first
+  /// independent ones are satisfied. Collective.
   void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
 
   /// Sets the clamped entries of y to their solution r_j/d_j in the step's system, in which they are
@@ -145,12 +153,12 @@ private:
   [[nodiscard]] std::size_t rows_count() const { return row_begin_.size() - 1; }
   /// columns() without shared dofs.
   [[nodiscard]] std::span<const int> own_columns(int row) const {
-    const std::span<const int> all = columns(row);
-    std::size_t own = all.size();
-    while (own > 0 && static_cast<std::size_t>(all[own - 1]) >= own_)
-      --own;
-    return all.first(own);
+    return columns(row).first(own_entries_[static_cast<std::size_t>(row)]);
   }
+  /// Whether the lift of a row has shared dofs.
+  [[nodiscard]] bool lifted(int row) const { return lifted_[static_cast<std::size_t>(row)]; }
+  /// prescribe() for rows with lifts of shared dofs.
+  void prescribe_by_lifts(std::span<const int> set, std::span<const double> value, Vec x) const;
   /// Calls visit(row, column, coefficient) for each entry of the rows [first, end), row by row.
   template <class Visit>
   void for_each(const std::vector<double>& coefficients, std::size_t first, std::size_t end,
@@ -174,8 +182,10 @@ private:
   std::vector<int> others_;            ///< number of each group's second row, and the total number of rows
   std::vector<const Law*> laws_;       ///< law of each group
   std::vector<int> columns_;           ///< position in dofs_ of each entry's dof
-  std::vector<double> motions_, forces_;
-  std::vector<bool> clamped_; ///< whether each entry's dof is clamped
+  std::vector<double> motions_, forces_, lifts_;
+  std::vector<bool> clamped_;            ///< whether each entry's dof is clamped
+  std::vector<std::size_t> own_entries_; ///< number of each row's entries at dofs that are not shared
+  std::vector<bool> lifted_;             ///< of each row
   std::vector<PetscInt> dofs_;
   std::size_t own_ = 0;    ///< number of constrained dofs that are not shared
   std::vector<int> local_; ///< local numbers of dofs_; −1 if another rank owns the dof

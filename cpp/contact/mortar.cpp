@@ -21,14 +21,14 @@ constexpr double least_cosine = 0.05;
 /// Part of a facet below which a covered part is left out: its dual functions would be rounding errors.
 constexpr double sliver = 1e-6;
 
-/// Quadrature on a simplex of dimension dim − 1, exact for polynomials of degree 3: reference points (points
-/// × (dim − 1)) and weights whose sum is 1.
+/// Quadrature on a simplex of dimension dim − 1, exact for products of a hat function, a function of
+/// displacements and the radius: reference points (points × (dim − 1)) and weights whose sum is 1.
 struct Rule {
   std::vector<double> points, weights;
 };
 
-Rule rule(int dim) {
-  constexpr int degree = 3; // products of two hat functions and the radius
+Rule rule(int dim, bool quadratic) {
+  const int degree = quadratic ? 4 : 3;
   auto [points, weights] = basix::quadrature::make_quadrature<double>(
       basix::quadrature::type::Default, dim == 2 ? basix::cell::type::interval : basix::cell::type::triangle,
       basix::polyset::type::standard, degree);
@@ -97,6 +97,18 @@ Dual dual_function(const std::vector<Sample>& samples, std::size_t own, std::siz
   return dual;
 }
 
+/// Calls visit(node, value) for the displacements' functions of a facet at a point with the hat functions
+/// `hats` of its corners.
+template <class Visit>
+void for_each_function(const fem::SurfaceMesh& surface, const fem::SurfaceMesh::Facet& facet,
+                       const std::array<double, 3>& hats, std::size_t corners, Visit&& visit) {
+  const bool quadratic = !surface.midpoints.empty();
+  for (std::size_t corner = 0; corner < corners; ++corner)
+    visit(facet.vertices[corner], quadratic ? hats[corner] * (2 * hats[corner] - 1) : hats[corner]);
+  for (std::size_t edge = 0; quadratic && edge < corners * (corners - 1) / 2; ++edge)
+    visit(facet.midpoints[edge], 4 * hats[edge] * hats[(edge + 1) % corners]);
+}
+
 Box box_of(const fem::SurfaceMesh& surface) {
   Box box = Box::empty(3);
   for (const fem::SurfaceMesh::Vertex& vertex : surface.vertices)
@@ -133,8 +145,8 @@ public:
   /// `nu`: direction of each slave node; zero if it has none.
   Mortar(const fem::SurfaceMesh& slave, const fem::SurfaceMesh& master, std::vector<Point> nu, int dim,
          bool axisymmetric, const std::string& key)
-      : slave_(slave), master_(master), dim_(dim), axisymmetric_(axisymmetric), key_(key), rule_(rule(dim)),
-        facets_(slave.vertices.size()), nu_(std::move(nu)) {
+      : slave_(slave), master_(master), dim_(dim), axisymmetric_(axisymmetric), key_(key),
+        rule_(rule(dim, !slave.midpoints.empty())), facets_(slave.vertices.size()), nu_(std::move(nu)) {
     for (const fem::SurfaceMesh::Facet& facet : slave.facets)
       for (std::size_t corner = 0; corner < corners(); ++corner)
         facets_[static_cast<std::size_t>(facet.vertices[corner])].push_back(&facet);
@@ -167,17 +179,24 @@ public:
   [[nodiscard]] std::optional<MortarRow> row(std::size_t vertex) const {
     const Projection project(nu_[vertex], dim_);
     MortarRow row{.vertex = static_cast<int>(vertex), .nu = nu_[vertex], .area = 0, .gap = 0, .master = {}};
-    std::map<int, double> weights;
+    std::map<int, double> weights, of_slave;
     for (const fem::SurfaceMesh::Facet* facet : facets_[vertex]) {
+      if (!slave_.midpoints.empty()) // the hat function of the node has all of them
+        for_each_function(slave_, *facet, {}, corners(), [&](int node, double) { of_slave[node] += 0; });
       const std::vector<Sample> samples = covered(*facet, vertex, project);
       if (samples.empty())
         continue;
       const Dual dual = dual_function(samples, place_in(*facet, vertex), corners());
       row.area += dual.area;
-      for (std::size_t q = 0; q < samples.size(); ++q)
-        for (std::size_t corner = 0; corner < corners(); ++corner)
-          weights[samples[q].facet->vertices[corner]] +=
-              samples[q].weight * dual.values[q] * samples[q].master[corner];
+      for (std::size_t q = 0; q < samples.size(); ++q) {
+        const Sample& sample = samples[q];
+        const double weight = sample.weight * dual.values[q];
+        for_each_function(master_, *sample.facet, sample.master, corners(),
+                          [&](int node, double value) { weights[node] += weight * value; });
+        if (!slave_.midpoints.empty())
+          for_each_function(slave_, *facet, sample.slave, corners(),
+                            [&](int node, double value) { of_slave[node] += weight * value; });
+      }
     }
     if (weights.empty())
       return std::nullopt;
@@ -187,9 +206,14 @@ public:
       sum += weight;
     row.gap = -dot(slave_.vertices[vertex].x, row.nu);
     for (const auto& [node, weight] : weights) {
-      row.gap += weight / sum * dot(master_.vertices[static_cast<std::size_t>(node)].x, row.nu);
+      row.gap += weight / sum * dot(master_.node(node).x, row.nu);
       row.master.emplace_back(node, weight / sum);
     }
+    for (const auto& [node, weight] : of_slave)
+      if (node == row.vertex)
+        row.own = weight / sum;
+      else
+        row.slave.emplace_back(node, weight / sum);
     return row;
   }
 

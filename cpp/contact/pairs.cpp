@@ -351,14 +351,16 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
         turns |= change.normal[c] != 0;
       }
     }
-    std::vector<ConstraintRows::Entry> of_rigid;
-    if (const RigidMotion* motion = rigid(obstacles_[i]))
-      motion->append(&points_[3 * i], turned, of_rigid);
-    if (mortar_[i])
-      surfaces(obstacles_[i])->append(*mortar_[i], turned, of_rigid);
+    const std::size_t begin = coefficients.size();
     coefficients.insert(coefficients.end(), turned.begin(), turned.end());
-    for (const ConstraintRows::Entry& entry : of_rigid)
-      coefficients.push_back(entry.coefficient);
+    if (const RigidMotion* motion = rigid(obstacles_[i])) {
+      std::vector<ConstraintRows::Entry> of_rigid;
+      motion->append(&points_[3 * i], turned, of_rigid);
+      for (const ConstraintRows::Entry& entry : of_rigid)
+        coefficients.push_back(entry.coefficient);
+    }
+    if (mortar_[i]) // its direction is that of another contact
+      coefficients.resize(begin + rows_->columns(static_cast<int>(i)).size());
   }
   if (turns)
     rates.rows = rows().with(std::move(coefficients));

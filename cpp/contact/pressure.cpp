@@ -2,10 +2,6 @@
 #include "contact/pressure.h"
 #include "base/collective.h"
 #include <algorithm>
-#include <basix/cell.h>
-#include <dolfinx/fem/DofMap.h>
-#include <dolfinx/fem/FunctionSpace.h>
-#include <dolfinx/mesh/Mesh.h>
 #include <map>
 
 namespace signorini::contact {
@@ -29,49 +25,6 @@ std::vector<double> shares(const fem::Space& space, const ContactPairs& pairs, c
   return found;
 }
 
-/// Global numbers of the node at an edge's midpoint and of the nodes at its ends.
-using EdgeNodes = std::array<std::int64_t, 3>;
-
-/// Lists the edges of all facets of a group, for functions of degree 2; each edge once, the same list on
-/// every rank. Collective.
-std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& group, const std::string& key) {
-  const auto topology = space.mesh().dolfinx()->topology();
-  const int dim = topology->dim();
-  const auto cell = dolfinx::mesh::cell_type_to_basix_type(topology->cell_type());
-  const std::vector<std::vector<std::vector<int>>> corners = basix::cell::topology(cell);
-  const auto cells_of = topology->connectivity(dim - 1, dim),
-             facets_of = topology->connectivity(dim, dim - 1);
-  const auto dofmap = space.dolfinx()->dofmap();
-  const auto node_of = [&](int entity_dim, int entity) {
-    return dofmap->element_dof_layout().entity_dofs(entity_dim, entity).front();
-  };
-  std::vector<EdgeNodes> found;
-  for (std::int32_t facet : space.mesh().facets(group, key)) {
-    const std::int32_t owner = cells_of->links(facet).front();
-    const auto own = facets_of->links(owner);
-    const auto number = static_cast<std::size_t>(std::ranges::find(own, facet) - own.begin());
-    const std::vector<int>& facet_corners = corners[dim - 1][number];
-    for (std::size_t edge = 0; edge < corners[1].size(); ++edge) {
-      const std::vector<int>& ends = corners[1][edge];
-      if (!std::ranges::all_of(
-              ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
-        continue;
-      const auto nodes = dofmap->cell_dofs(owner);
-      const std::array<std::int32_t, 3> local{nodes[node_of(1, static_cast<int>(edge))],
-                                              nodes[node_of(0, ends[0])], nodes[node_of(0, ends[1])]};
-      EdgeNodes global{};
-      dofmap->index_map->local_to_global(local, global);
-      std::sort(global.begin() + 1, global.end()); // the same for every facet at the edge
-      found.push_back(global);
-    }
-  }
-  found = gather(space.comm(), found);
-  std::ranges::sort(found);
-  const auto twice = std::ranges::unique(found);
-  found.erase(twice.begin(), twice.end());
-  return found;
-}
-
 } // namespace
 
 std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pairs,
@@ -92,14 +45,18 @@ Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
                    const std::vector<scene::Contact>& contacts)
     : area_(nodal_areas(space, pairs, contacts)) {
   for (int i = 0; i < pairs.obstacle_count() && space.degree() > 1; ++i)
-    add_edges(space, pairs, contacts[i].on, i);
+    if (!pairs.surfaces(i)) // whose areas are those of hat functions
+      add_edges(space, pairs, contacts[i].on, i);
   gather_at_vertices(area_);
   if (space.degree() > 1)
-    clear_areas_off_edges();
+    clear_areas_off_edges(pairs);
 }
 
-void Pressure::clear_areas_off_edges() {
+void Pressure::clear_areas_off_edges(const ContactPairs& pairs) {
   std::vector<double> of_hats(area_.size(), 0.0);
+  for (std::size_t i = 0; i < area_.size(); ++i)
+    if (pairs.mortar_row(static_cast<int>(i)))
+      of_hats[i] = area_[i];
   for (const Edge& edge : edges_)
     for (const int end : edge.ends)
       if (end >= 0)
@@ -117,12 +74,12 @@ void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, con
     const auto found = candidate.find(node);
     return found == candidate.end() ? -1 : found->second;
   };
-  for (const EdgeNodes& nodes : edges_on(space, group, pairs.key(obstacle) + ".on"))
-    if (const int middle = candidate_at(nodes[0]); middle >= 0) {
-      Edge edge{middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}};
+  for (const fem::SurfaceEdge& nodes : fem::edges_on(space, group, pairs.key(obstacle) + ".on"))
+    if (const int middle = candidate_at(nodes.middle); middle >= 0) {
+      Edge edge{middle, {candidate_at(nodes.ends[0]), candidate_at(nodes.ends[1])}};
       for (const int end : {0, 1})
         if (const std::int64_t node =
-                nodes[1 + static_cast<std::size_t>(end)] - space.first_dof() / space.dim();
+                nodes.ends[static_cast<std::size_t>(end)] - space.first_dof() / space.dim();
             edge.ends[static_cast<std::size_t>(end)] < 0 && node >= 0 && node < space.owned_nodes() &&
             space.on_axis(static_cast<int>(node)))
           axis_.emplace_back(static_cast<int>(node), edge.ends[static_cast<std::size_t>(1 - end)]);
@@ -180,11 +137,11 @@ void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
     for (int i = 0; i < pairs.count(); ++i)
       if (pairs.obstacles()[i] == contact) {
         const MortarRow& row = *pairs.mortar_row(i);
-        for (const auto& [vertex, weight] : row.master) {
-          Sums& sums = at[surfaces->master_node(vertex).first_dof];
+        surfaces->for_each_master_hat(row, [&](const fem::SurfaceMesh::Vertex& vertex, double weight) {
+          Sums& sums = at[vertex.first_dof];
           sums.force += weight * row.area * pressures[static_cast<std::size_t>(i)];
           sums.area += weight * row.area;
-        }
+        });
       }
     for (const auto& [dof, sums] : at) {
       const PetscInt node = (dof - space.first_dof()) / space.dim();
@@ -216,7 +173,7 @@ std::vector<double> tangential_tractions(const ContactPairs& pairs, const Pressu
     for (std::size_t i = 0; i < m; ++i)
       for (std::size_t c = 1; c < rows.size(static_cast<int>(i)); ++c) {
         const std::size_t row = rows.row(static_cast<int>(i), c);
-        forces[i] -= rows.motion(static_cast<int>(row))[component] * rho[row];
+        forces[i] -= rows.lift(static_cast<int>(row))[component] * rho[row];
       }
     const std::vector<double> one = pressure(forces, impulse);
     for (std::size_t i = 0; i < m; ++i)

@@ -52,9 +52,9 @@ private:
     std::array<int, 2> ends;
   };
   void add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group, int obstacle);
-  /// Sets all areas to zero except those of vertices at an edge whose midpoint is a candidate (other edges
+  /// Sets the areas of obstacles to zero except at vertices of an edge whose midpoint is a candidate (others
   /// are clamped).
-  void clear_areas_off_edges();
+  void clear_areas_off_edges(const ContactPairs& pairs);
   /// Converts integrals with functions of degree 2, one for each candidate, to integrals with hat functions,
   /// in place.
   void gather_at_vertices(std::vector<double>& values) const;

@@ -15,13 +15,13 @@ namespace signorini::contact {
 
 namespace {
 
-/// Unclamped components of the vertices of a surface, one bit for each. Collective.
+/// Unclamped components of the nodes of a surface, one bit for each. Collective.
 std::vector<int> free_components(const fem::Space& space, const fem::DirichletDofs& clamped,
                                  const fem::SurfaceMesh& surface) {
   std::map<PetscInt, std::size_t> number;
-  for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-    number[surface.vertices[i].first_dof] = i;
-  std::vector<int> held(surface.vertices.size());
+  std::vector<int> held(static_cast<std::size_t>(surface.nodes()));
+  for (std::size_t i = 0; i < held.size(); ++i)
+    number[surface.node(static_cast<int>(i)).first_dof] = i;
   for (const int dof : clamped.dofs())
     if (const auto found = number.find(space.first_dof() + dof / space.dim() * space.dim());
         found != number.end())
@@ -110,19 +110,33 @@ double SurfacePair::height_rate(const MortarRow& row) const {
 
 void SurfacePair::append(const MortarRow& of, std::span<const double> direction,
                          std::vector<ConstraintRows::Entry>& row) const {
-  for (const auto& [vertex, weight] : of.master) {
-    const auto number = static_cast<std::size_t>(vertex);
+  const auto add = [&](const fem::SurfaceMesh& surface, const std::vector<int>& free, int node, double weight,
+                       double lift) {
     for (std::size_t c = 0; c < direction.size(); ++c) // all components, since solvers take nodes as a whole
-      row.push_back({master_.vertices[number].first_dof + static_cast<PetscInt>(c), -weight * direction[c],
-                     (master_free_[number] & (1 << c)) == 0, true});
+      row.push_back({surface.node(node).first_dof + static_cast<PetscInt>(c), weight * direction[c],
+                     (free[static_cast<std::size_t>(node)] & (1 << c)) == 0, true, lift * direction[c]});
+  };
+  for (std::size_t c = 0; c < direction.size(); ++c) {
+    row[c].coefficient = of.own * direction[c];
+    row[c].lift = direction[c];
   }
+  for (const auto& [node, weight] : of.slave) {
+    const auto number = static_cast<std::size_t>(node);
+    double hat = 0; // value of the hat function of the slave node
+    if (number >= slave_.vertices.size())
+      for (const int end : slave_.midpoints[number - slave_.vertices.size()].ends)
+        hat += end == of.vertex ? 0.5 : 0;
+    add(slave_, slave_free_, node, weight, hat);
+  }
+  for (const auto& [node, weight] : of.master)
+    add(master_, master_free_, node, -weight, 0);
 }
 
 std::vector<PetscInt> SurfacePair::master_dofs() const {
   std::set<PetscInt> dofs;
   for (const MortarRow& row : rows_)
-    for (const auto& [vertex, weight] : row.master)
-      dofs.insert(master_.vertices[static_cast<std::size_t>(vertex)].first_dof);
+    for (const auto& [node, weight] : row.master)
+      dofs.insert(master_.node(node).first_dof);
   return {dofs.begin(), dofs.end()};
 }
 

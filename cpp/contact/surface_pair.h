@@ -23,9 +23,16 @@ public:
   [[nodiscard]] const fem::SurfaceMesh::Vertex& node(const MortarRow& row) const {
     return slave_.vertices[static_cast<std::size_t>(row.vertex)];
   }
-  /// Vertex of the master surface with this number.
-  [[nodiscard]] const fem::SurfaceMesh::Vertex& master_node(int vertex) const {
-    return master_.vertices[static_cast<std::size_t>(vertex)];
+  /// Calls visit(vertex, weight) for the integrals with hat functions of the master surface in a row, whose
+  /// sum is 1. A hat function of degree 2 is that of its vertex and half of those of the midpoints around.
+  template <class Visit>
+  void for_each_master_hat(const MortarRow& row, Visit&& visit) const {
+    for (const auto& [node, weight] : row.master)
+      if (const auto number = static_cast<std::size_t>(node); number < master_.vertices.size())
+        visit(master_.vertices[number], weight);
+      else
+        for (const int end : master_.midpoints[number - master_.vertices.size()].ends)
+          visit(master_.vertices[static_cast<std::size_t>(end)], weight / 2);
   }
   /// Unclamped components of the slave node of a row, one bit for each.
   [[nodiscard]] int free_components(const MortarRow& row) const {
@@ -34,16 +41,17 @@ public:
   /// Derivative of a row's gap by contact.height.
   [[nodiscard]] double height_rate(const MortarRow& row) const;
 
-  /// Appends to a row with the direction e (dim) at the slave node the entries −C_ij e at the master nodes.
+  /// Completes a row that has the direction e (dim) at the slave node: scales these entries by B_ii, and
+  /// appends B_ij e at other slave nodes and −C_ij e at master nodes.
   void append(const MortarRow& of, std::span<const double> direction,
               std::vector<ConstraintRows::Entry>& row) const;
-  /// First global dofs, ascending, of the master nodes that rows contain.
+  /// First global dofs, ascending, of the master nodes in the rows.
   [[nodiscard]] std::vector<PetscInt> master_dofs() const;
 
 private:
   scene::ContactSide side_ = scene::ContactSide::on;
   fem::SurfaceMesh slave_, master_;
-  std::vector<int> slave_free_, master_free_; ///< unclamped components of the vertices
+  std::vector<int> slave_free_, master_free_; ///< unclamped components of the nodes
   std::vector<MortarRow> rows_;
   std::array<double, 3> towards_{}; ///< mean of ν_i over the covered surface, a unit vector
 };

@@ -2,7 +2,9 @@
 #include "fem/surface.h"
 #include "base/collective.h"
 #include <algorithm>
+#include <basix/cell.h>
 #include <cmath>
+#include <dolfinx/fem/DofMap.h>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
@@ -120,18 +122,100 @@ std::vector<OutwardNormal> outward_normals(const Space& space) {
   return found;
 }
 
+std::vector<SurfaceEdge> edges_on(const Space& space, const std::string& group, const std::string& key) {
+  const auto topology = space.mesh().dolfinx()->topology();
+  const int dim = topology->dim();
+  const auto cell = dolfinx::mesh::cell_type_to_basix_type(topology->cell_type());
+  const std::vector<std::vector<std::vector<int>>> corners = basix::cell::topology(cell);
+  const auto cells_of = topology->connectivity(dim - 1, dim),
+             facets_of = topology->connectivity(dim, dim - 1);
+  const auto dofmap = space.dolfinx()->dofmap();
+  const auto node_of = [&](int entity_dim, int entity) {
+    return dofmap->element_dof_layout().entity_dofs(entity_dim, entity).front();
+  };
+  std::vector<SurfaceEdge> found;
+  for (std::int32_t facet : space.mesh().facets(group, key)) {
+    const std::int32_t owner = cells_of->links(facet).front();
+    const auto own = facets_of->links(owner);
+    const auto number = static_cast<std::size_t>(std::ranges::find(own, facet) - own.begin());
+    const std::vector<int>& facet_corners = corners[dim - 1][number];
+    for (std::size_t edge = 0; edge < corners[1].size(); ++edge) {
+      const std::vector<int>& ends = corners[1][edge];
+      if (!std::ranges::all_of(
+              ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
+        continue;
+      const auto nodes = dofmap->cell_dofs(owner);
+      const std::array<std::int32_t, 3> local{nodes[node_of(1, static_cast<int>(edge))],
+                                              nodes[node_of(0, ends[0])], nodes[node_of(0, ends[1])]};
+      std::array<std::int64_t, 3> global{};
+      dofmap->index_map->local_to_global(local, global);
+      // in the same order for every facet at the edge
+      found.push_back({global[0], {std::min(global[1], global[2]), std::max(global[1], global[2])}});
+    }
+  }
+  found = gather(space.comm(), found);
+  std::ranges::sort(found);
+  const auto twice = std::ranges::unique(found);
+  found.erase(twice.begin(), twice.end());
+  return found;
+}
+
+namespace {
+
+/// Appends the midpoints of the edges of a surface of degree 2, and sets those of the facets.
+void add_midpoints(int dim, const std::vector<SurfaceEdge>& edges, const std::map<PetscInt, int>& vertex,
+                   SurfaceMesh& surface) {
+  std::map<std::array<int, 2>, int> number; // of the node between two vertices
+  for (const SurfaceEdge& edge : edges) {
+    SurfaceMesh::Midpoint midpoint{.node = {.x = {}, .first_dof = static_cast<PetscInt>(edge.middle * dim)},
+                                   .ends = {}};
+    bool both = true; // not on the axis of a body of revolution
+    for (std::size_t end = 0; end < 2; ++end) {
+      const auto found = vertex.find(static_cast<PetscInt>(edge.ends[end] * dim));
+      both = both && found != vertex.end();
+      midpoint.ends[end] = found != vertex.end() ? found->second : -1;
+    }
+    if (!both)
+      continue;
+    std::ranges::sort(midpoint.ends);
+    for (const int end : midpoint.ends)
+      for (std::size_t c = 0; c < 3; ++c)
+        midpoint.node.x[c] += surface.vertices[static_cast<std::size_t>(end)].x[c] / 2;
+    surface.midpoints.push_back(midpoint);
+  }
+  std::ranges::sort(surface.midpoints, {}, &SurfaceMesh::Midpoint::ends); // as the vertices are ordered
+  for (std::size_t i = 0; i < surface.midpoints.size(); ++i)
+    number[surface.midpoints[i].ends] = static_cast<int>(surface.vertices.size() + i);
+  const auto corners = static_cast<std::size_t>(dim);
+  for (SurfaceMesh::Facet& facet : surface.facets)
+    for (std::size_t edge = 0; edge < corners * (corners - 1) / 2; ++edge) {
+      const int a = facet.vertices[edge], b = facet.vertices[(edge + 1) % corners];
+      facet.midpoints[edge] = number.at({std::min(a, b), std::max(a, b)});
+    }
+}
+
+} // namespace
+
 SurfaceMesh surface_mesh(const Space& space, const std::string& group, const std::string& key) {
   if (inner_facets(space.mesh(), group, key) > 0)
     throw UserError(fmt::format("{}: the group \"{}\" has facets inside the body; choose a group of its "
                                 "boundary",
                                 key, group));
   const int dim = space.dim();
+  std::vector<SurfaceEdge> edges;
+  if (space.degree() > 1)
+    edges = edges_on(space, group, key);
+  const auto at_midpoint = [&](int node) {
+    return std::ranges::binary_search(edges, space.first_dof() / dim + node, {}, &SurfaceEdge::middle);
+  };
   std::vector<SurfaceMesh::Vertex> vertices;
   for (const int node : space.nodes_on(group, key, true)) {
+    if (at_midpoint(node))
+      continue;
     const double* x = &space.points()[3 * static_cast<std::size_t>(node)];
     vertices.push_back({{x[0], x[1], x[2]}, space.first_dof() + node * dim});
   }
-  SurfaceMesh made{.vertices = gather(space.comm(), vertices), .facets = {}};
+  SurfaceMesh made{.vertices = gather(space.comm(), vertices), .midpoints = {}, .facets = {}};
   // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
   const double unit = 1e-10 * space.mesh().diameter();
   const auto place = [&](double coordinate) { return std::llround(coordinate / unit); };
@@ -167,6 +251,8 @@ SurfaceMesh surface_mesh(const Space& space, const std::string& group, const std
   for (SurfaceMesh::Facet& facet : made.facets)
     std::ranges::sort(facet.vertices, std::greater()); // −1 is last in the plane
   std::ranges::sort(made.facets, {}, &SurfaceMesh::Facet::vertices);
+  if (space.degree() > 1)
+    add_midpoints(dim, edges, number, made);
   return made;
 }
 

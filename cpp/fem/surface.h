@@ -28,18 +28,44 @@ struct OutwardNormal {
 /// rank owns and each node of the facet. Collective.
 std::vector<OutwardNormal> outward_normals(const Space& space);
 
-/// Facets of a boundary group with their vertices; the same on every rank.
+/// Edge of the facets of a boundary group, for functions of degree 2.
+struct SurfaceEdge {
+  std::int64_t middle;              ///< global number of the node at its midpoint
+  std::array<std::int64_t, 2> ends; ///< global numbers of the nodes at its ends, ascending
+  auto operator<=>(const SurfaceEdge&) const = default;
+};
+
+/// Lists the edges of all facets of a group, for functions of degree 2; each edge once, the same list on
+/// every rank. Collective. Throws UserError naming `key`, as mesh::Mesh::facets does.
+[[nodiscard]] std::vector<SurfaceEdge> edges_on(const Space& space, const std::string& group,
+                                                const std::string& key);
+
+/// Facets of a boundary group with their nodes; the same on every rank. Nodes have numbers: first vertices,
+/// then, for functions of degree 2, midpoints of edges.
 struct SurfaceMesh {
   struct Vertex {
     std::array<double, 3> x; ///< coordinates, m
     PetscInt first_dof;      ///< first global dof
   };
+  struct Midpoint {
+    Vertex node;
+    std::array<int, 2> ends; ///< numbers of the vertices at the ends of its edge
+  };
   struct Facet {
     std::array<int, 3> vertices;  ///< numbers of its vertices; the last one is −1 in the plane
     std::array<double, 3> normal; ///< unit normal, out of the body
+    /// For degree 2 the numbers of the nodes between vertices 0 and 1 and, in space, 1 and 2, and 2 and 0.
+    std::array<int, 3> midpoints{-1, -1, -1};
   };
-  std::vector<Vertex> vertices; ///< ordered by their coordinates
-  std::vector<Facet> facets;    ///< ordered by their vertices
+  std::vector<Vertex> vertices;    ///< ordered by their coordinates
+  std::vector<Midpoint> midpoints; ///< empty for degree 1
+  std::vector<Facet> facets;       ///< ordered by their vertices
+
+  [[nodiscard]] int nodes() const { return static_cast<int>(vertices.size() + midpoints.size()); }
+  [[nodiscard]] const Vertex& node(int number) const {
+    const auto i = static_cast<std::size_t>(number);
+    return i < vertices.size() ? vertices[i] : midpoints[i - vertices.size()].node;
+  }
 };
 
 /// Collects the facets of a boundary group from all ranks. Facets on the axis of a body of revolution are

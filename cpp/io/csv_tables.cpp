@@ -218,7 +218,7 @@ void ContactTable::add_along(std::string& text, int pair, std::span<const double
   for (std::size_t c = 1; c < H.size(pair); ++c)
     for (std::size_t component = 0; component < static_cast<std::size_t>(dim_); ++component)
       vector[component] +=
-          factor * rows[H.row(pair, c)] * H.motion(static_cast<int>(H.row(pair, c)))[component];
+          factor * rows[H.row(pair, c)] * H.lift(static_cast<int>(H.row(pair, c)))[component];
   for (std::size_t component = 0; component < static_cast<std::size_t>(dim_); ++component)
     fmt::format_to(std::back_inserter(text), ",{}", vector[component] + 0.0); // no −0
 }

@@ -81,8 +81,9 @@ void require_rules_of_parts(const Reader& in, const Contact& contact, const Scen
     in.fail("against",
             "found together with time.step = \"auto\", whose choice does not regard a second body; "
             "give a step length");
-  if (scene.mesh.degree == 2)
-    in.fail("against", "found together with mesh.degree = 2, where it is not available; use degree 1");
+  if (scene.mesh.degree == 2 && contact.mass != ContactMass::consistent)
+    in.fail("mass", "found a massless surface with contact.against and mesh.degree = 2, where constraints "
+                    "share nodes; set mass to \"consistent\", or mesh.degree to 1");
 }
 
 } // namespace

@@ -59,9 +59,9 @@ bool counts(const contact::ContactPairs& pairs, int pair, ObstacleComponent of) 
   return of.obstacle < 0 || pairs.obstacles()[pair] == of.obstacle;
 }
 
-/// The coefficient of a row at a component of its pair's node, which a row has first.
+/// Component of the direction along which a row measures the motion of its pair.
 double at_node(const contact::ConstraintRows& rows, std::size_t row, int component) {
-  return rows.motion(static_cast<int>(row))[component];
+  return rows.lift(static_cast<int>(row))[component];
 }
 
 } // namespace

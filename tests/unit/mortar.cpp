@@ -145,6 +145,81 @@ TEST_CASE("dual mortar passes the patch test on meshes that do not match", "[con
     CHECK(std::abs(on_masters[j] - of_master[j]) < rounding);
 }
 
+/// The surface with midpoints, for functions of degree 2.
+SurfaceMesh quadratic(SurfaceMesh surface, int dim) {
+  for (SurfaceMesh::Facet& facet : surface.facets)
+    for (std::size_t edge = 0; edge < (dim == 2 ? 1 : 3); ++edge) {
+      std::array<int, 2> ends{facet.vertices[edge],
+                              facet.vertices[(edge + 1) % static_cast<std::size_t>(dim)]};
+      std::ranges::sort(ends);
+      const auto found = std::ranges::find(surface.midpoints, ends, &SurfaceMesh::Midpoint::ends);
+      facet.midpoints[edge] =
+          static_cast<int>(surface.vertices.size()) + static_cast<int>(found - surface.midpoints.begin());
+      if (found != surface.midpoints.end())
+        continue;
+      const Point &a = surface.node(ends[0]).x, &b = surface.node(ends[1]).x;
+      surface.midpoints.push_back({{{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2}, 0}, ends});
+    }
+  return surface;
+}
+
+/// ∫ φ_j over a surface of degree 2, by its hat functions.
+std::vector<double> quadratic_areas(const SurfaceMesh& surface, int dim) {
+  const std::vector<double> hats = areas(surface, dim);
+  std::vector<double> sums(static_cast<std::size_t>(surface.nodes()));
+  for (std::size_t i = 0; i < hats.size(); ++i)
+    sums[i] = dim == 2 ? hats[i] / 3 : 0; // Simpson's rule; in space midpoints alone
+  for (const SurfaceMesh::Facet& facet : surface.facets) {
+    const Point a = surface.node(facet.vertices[0]).x, b = surface.node(facet.vertices[1]).x;
+    const double size = dim == 2
+                            ? length(minus(b, a))
+                            : length(cross(minus(b, a), minus(surface.node(facet.vertices[2]).x, a))) / 2;
+    for (std::size_t edge = 0; edge < (dim == 2 ? 1 : 3); ++edge)
+      sums[static_cast<std::size_t>(facet.midpoints[edge])] += size * (dim == 2 ? 2.0 / 3 : 1.0 / 3);
+  }
+  return sums;
+}
+
+TEST_CASE("dual mortar of degree 2 passes the patch test, and its rows see one hat function each",
+          "[contact][mortar]") {
+  const int dim = GENERATE(2, 3);
+  const auto [on_slave, on_master] = GENERATE(std::pair(5, 7), std::pair(7, 5), std::pair(4, 4));
+  CAPTURE(dim, on_slave, on_master);
+  constexpr double gap = 0.05;
+  const Flat pair = flat(dim, on_slave, on_master, gap);
+  const SurfaceMesh slave = quadratic(pair.slave, dim), master = quadratic(pair.master, dim);
+  const std::vector<MortarRow> rows = contact::mortar_rows(slave, master, dim, false, "contact");
+  REQUIRE(rows.size() == slave.vertices.size());
+  const std::vector<double> of_slave = quadratic_areas(slave, dim), of_master = quadratic_areas(master, dim);
+  std::vector<double> on_slaves(of_slave.size()), on_masters(of_master.size());
+  bool beyond_own = false;
+  for (const MortarRow& row : rows) {
+    CHECK(std::abs(row.gap - gap) < rounding);
+    for (const auto& [node, weight] : row.master)
+      on_masters[static_cast<std::size_t>(node)] += row.area * weight;
+    on_slaves[static_cast<std::size_t>(row.vertex)] += row.area * row.own;
+    std::vector<double> B(of_slave.size());
+    B[static_cast<std::size_t>(row.vertex)] = row.own;
+    for (const auto& [node, weight] : row.slave) {
+      on_slaves[static_cast<std::size_t>(node)] += row.area * weight;
+      B[static_cast<std::size_t>(node)] = weight;
+      beyond_own = beyond_own || std::abs(weight) > 0.1;
+    }
+    for (std::size_t vertex = 0; vertex < slave.vertices.size(); ++vertex) {
+      double hat = B[vertex];
+      for (std::size_t i = 0; i < slave.midpoints.size(); ++i)
+        for (const int end : slave.midpoints[i].ends)
+          hat += end == static_cast<int>(vertex) ? B[slave.vertices.size() + i] / 2 : 0;
+      CHECK(std::abs(hat - (static_cast<int>(vertex) == row.vertex ? 1 : 0)) < rounding);
+    }
+  }
+  CHECK(beyond_own);
+  for (std::size_t j = 0; j < of_slave.size(); ++j)
+    CHECK(std::abs(on_slaves[j] - of_slave[j]) < rounding);
+  for (std::size_t j = 0; j < of_master.size(); ++j)
+    CHECK(std::abs(on_masters[j] - of_master[j]) < rounding);
+}
+
 TEST_CASE("rows between curved surfaces conserve linear and angular momentum", "[contact][mortar]") {
   const int dim = GENERATE(2, 3);
   CAPTURE(dim);

@@ -77,6 +77,40 @@ def test_pressure_on_both_faces(simulate: Runner) -> None:
         near(np.delete(pressure, np.flatnonzero(abs(done.points[:, 1] - 1.025) < 0.03), axis=1), np.zeros((len(force), len(done.points) - 14)))
 
 
+@pytest.mark.key("contact.against", "mesh.degree")
+@pytest.mark.parametrize("linear", ("direct", "iterative"))
+def test_degree_2(linear: str, simulate: Runner) -> None:
+    """Candidates are vertices. A nearly uniform pressure between the squares is nearly that of degree 1, and moves their midpoints with their vertices."""
+    done = simulate(SQUARES, **FALL, mesh__degree=2, solver__linear=linear, output__fields=["displacement", "pressure"])
+    assert done.manifest["candidates"] == 8 and done.manifest["unknowns"] > 600
+    near(done.start["gap"], np.full(8, GAP), 1e-9)
+    force = table(done.folder / "obstacles.csv")["force_y"]
+    linear_force = table(simulate(SQUARES, **FALL).folder / "obstacles.csv")["force_y"]
+    assert force.max() > 0.1 and force.sum() == pytest.approx(linear_force.sum(), rel=0.02)
+    change = np.diff(bodies(done)["momentum_y"], axis=0)
+    near(change[:, 0], 0.01 * force[1:], 1e-9 * force.max())
+    near(change.sum(axis=1), np.zeros(len(change)), 1e-11)
+    pressure = done.field("pressure")[:, :, 0]
+    for height in (1.0, 1.05):
+        face = np.flatnonzero(abs(done.points[:, 1] - height) < 1e-9)
+        face = face[np.argsort(done.points[face, 0])]
+        x = done.points[face, 0]
+        near(pressure[:, face] @ (np.gradient(x) * np.where((x > 1e-9) & (x < 1 - 1e-9), 1.0, 0.5)), force, 1e-3)
+
+
+@pytest.mark.key("contact.initial", "contact.against")
+@pytest.mark.parametrize("degree", (1, 2))
+def test_project(degree: int, simulate: Runner) -> None:
+    """Nodes of the slave side alone move out of the other part, whose surface stays."""
+    done = simulate(SQUARES, initial__displacement=["0", "y > 1.02 ? -0.055 + 0.01*x : 0"], contact__initial="project", mesh__degree=degree,
+                    contact__friction=0.0, output__every=1)  # fmt: skip
+    before = GAP - 0.055 + 0.01 * done.start["x"]
+    near(done.start["gap"], np.maximum(before, 0), 1e-12)
+    assert 2 < (before < 0).sum() < 6, "some were inside"
+    y = done.field("displacement")[0][:, 1]
+    near(y[done.points[:, 1] < 1.02], np.zeros((done.points[:, 1] < 1.02).sum()), 1e-15)
+
+
 @pytest.mark.key("contact.slave")
 @pytest.mark.parametrize("side, y, candidates, sign", (("on", 1.05, 8, 1), ("against", 1.0, 6, 1), (None, 1.05, 8, 1)))
 def test_slave(side: str | None, y: float, candidates: int, sign: int, simulate: Runner) -> None:
