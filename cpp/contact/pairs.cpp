@@ -328,6 +328,23 @@ void ContactPairs::append_opposite(const BoundaryNode& node, ConstraintRows::Gro
     append(row);
 }
 
+std::optional<ConstraintRows> ContactPairs::jumps(const fem::Space& space) const {
+  const auto dim = static_cast<std::size_t>(dim_);
+  std::vector<ConstraintRows::Group> groups;
+  for (int i = 0; i < count(); ++i)
+    for (std::size_t axis = 0; mortar_row(i) && axis < dim; ++axis) {
+      std::vector<double> direction(dim);
+      direction[axis] = 1;
+      ConstraintRows::Group& group = groups.emplace_back();
+      for (int c = 0; c < dim_; ++c)
+        group.entries.push_back({first_dofs_[static_cast<std::size_t>(i)] + c, direction[c], false});
+      surfaces(obstacles_[i])->append(*mortar_row(i), direction, group.entries);
+    }
+  if (groups.empty())
+    return {};
+  return ConstraintRows(comm_, groups, space.first_dof(), space.first_dof() + space.layout().nodes() * dim_);
+}
+
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
   Rates rates{.psi = std::vector<double>(m), .rows = {}};

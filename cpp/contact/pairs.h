@@ -108,6 +108,9 @@ public:
     const std::optional<SurfacePair>& pair = surfaces_[static_cast<std::size_t>(obstacle)];
     return pair ? &*pair : nullptr;
   }
+  /// Returns the jumps of displacements of the pairs of two surfaces, a row for each pair and axis (pair by
+  /// pair); absent without contact.against. Collective.
+  [[nodiscard]] std::optional<ConstraintRows> jumps(const fem::Space& space) const;
   /// Row of pair i of two surfaces; null for an obstacle.
   [[nodiscard]] const MortarRow* mortar_row(int i) const { return mortar_[static_cast<std::size_t>(i)]; }
   /// Factor of the forces on a contact's candidates in those on the group `contact.on`: −1 if the candidates

@@ -124,11 +124,16 @@ void Pressure::extend_to_axis(const std::vector<double>& pressures, std::vector<
           std::max(field[static_cast<std::size_t>(node)], pressures[static_cast<std::size_t>(candidate)]);
 }
 
-void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
-                       const std::vector<double>& pressures, std::vector<double>& field) {
+namespace {
+
+/// Means Σ_i C_ij W_i x_i / Σ_i C_ij W_i of the candidates' values opposite the master nodes of contact
+/// between parts that this rank owns: (local node, mean), for one contact after the other.
+std::vector<std::pair<std::size_t, double>>
+means_at_masters(const fem::Space& space, const ContactPairs& pairs, const std::vector<double>& values) {
   struct Sums {
     double force = 0, area = 0;
   };
+  std::vector<std::pair<std::size_t, double>> means;
   for (int contact = 0; contact < pairs.obstacle_count(); ++contact) {
     const SurfacePair* surfaces = pairs.surfaces(contact);
     if (!surfaces)
@@ -139,17 +144,25 @@ void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
         const MortarRow& row = *pairs.mortar_row(i);
         surfaces->for_each_master_hat(row, [&](const fem::SurfaceMesh::Vertex& vertex, double weight) {
           Sums& sums = at[vertex.first_dof];
-          sums.force += weight * row.area * pressures[static_cast<std::size_t>(i)];
+          sums.force += weight * row.area * values[static_cast<std::size_t>(i)];
           sums.area += weight * row.area;
         });
       }
     for (const auto& [dof, sums] : at) {
       const PetscInt node = (dof - space.first_dof()) / space.dim();
       if (dof >= space.first_dof() && node < space.owned_nodes() && sums.area > 0)
-        field[static_cast<std::size_t>(node)] =
-            std::max(field[static_cast<std::size_t>(node)], sums.force / sums.area);
+        means.emplace_back(node, sums.force / sums.area);
     }
   }
+  return means;
+}
+
+} // namespace
+
+void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
+                       const std::vector<double>& pressures, std::vector<double>& field) {
+  for (const auto& [node, pressure] : means_at_masters(space, pairs, pressures))
+    field[node] = std::max(field[node], pressure);
 }
 
 std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
@@ -182,8 +195,8 @@ std::vector<double> tangential_tractions(const ContactPairs& pairs, const Pressu
   return tractions;
 }
 
-void set_friction(const ContactPairs& pairs, const Pressure& pressure, std::span<const double> rho,
-                  double impulse, Vec field) {
+void set_friction(const fem::Space& space, const ContactPairs& pairs, const Pressure& pressure,
+                  std::span<const double> rho, double impulse, Vec field) {
   const std::vector<double> tractions = tangential_tractions(pairs, pressure, rho, impulse);
   const auto dim = static_cast<std::size_t>(pairs.dim());
   petsc::check(VecZeroEntries(field));
@@ -192,6 +205,13 @@ void set_friction(const ContactPairs& pairs, const Pressure& pressure, std::span
     if (const int dof = pairs.local_dofs()[i]; dof >= 0)
       for (std::size_t c = 0; c < dim; ++c)
         values[static_cast<std::size_t>(dof) + c] += tractions[i * dim + c];
+  for (std::size_t c = 0; c < dim; ++c) {
+    std::vector<double> along(static_cast<std::size_t>(pairs.count()));
+    for (std::size_t i = 0; i < along.size(); ++i)
+      along[i] = tractions[i * dim + c];
+    for (const auto& [node, traction] : means_at_masters(space, pairs, along))
+      values[dim * node + c] -= traction;
+  }
 }
 
 } // namespace signorini::contact

@@ -82,8 +82,9 @@ std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
                                                        std::span<const double> rho, double impulse);
 
 /// Sets `field` (in V) to the tangential traction of contact on the body at the candidates' nodes, N/m², and
-/// to zero elsewhere. `rho` and `impulse` as above. Not collective.
-void set_friction(const ContactPairs& pairs, const Pressure& pressure, std::span<const double> rho,
-                  double impulse, Vec field);
+/// its reaction at master nodes, as extend_to_masters() does; to zero elsewhere. `rho` and `impulse` as
+/// above. Not collective.
+void set_friction(const fem::Space& space, const ContactPairs& pairs, const Pressure& pressure,
+                  std::span<const double> rho, double impulse, Vec field);
 
 } // namespace signorini::contact

@@ -84,7 +84,7 @@ SurfacePair::SurfacePair(const fem::Space& space, const fem::DirichletDofs& clam
   };
   constexpr double rounding = 1e-9; // of facets that are equal on both sides, of which `on` has the slave
   if (contact.slave ? *contact.slave == scene::ContactSide::against
-                    : facet_size(master_, dim) < (1 - rounding) * facet_size(slave_, dim))
+                    : contact::facet_size(master_, dim) < (1 - rounding) * contact::facet_size(slave_, dim))
     exchange();
   const fem::SurfaceMesh::Vertex* held = find_rows();
   if (held && !contact.slave)
@@ -94,6 +94,7 @@ SurfacePair::SurfacePair(const fem::Space& space, const fem::DirichletDofs& clam
         "{}.slave: a clamp holds the node at {} of the group \"{}\" towards the other part; {}", key,
         point_text(held->x.data()), side_ == scene::ContactSide::on ? contact.on : *contact.against,
         contact.slave ? "choose the other side" : "end the group before the clamp"));
+  facet_size_ = contact::facet_size(slave_, dim);
   for (const MortarRow& row : rows_)
     for (std::size_t c = 0; c < 3; ++c)
       towards_[c] += row.area * row.nu[c];

@@ -17,6 +17,8 @@ public:
               const std::string& key);
 
   [[nodiscard]] scene::ContactSide slave_side() const { return side_; }
+  /// facet_size() of the slave side, m.
+  [[nodiscard]] double facet_size() const { return facet_size_; }
   /// Rows of the slave nodes. The gaps include contact.height.
   [[nodiscard]] const std::vector<MortarRow>& rows() const { return rows_; }
   /// Slave node of a row.
@@ -53,6 +55,7 @@ private:
   fem::SurfaceMesh slave_, master_;
   std::vector<int> slave_free_, master_free_; ///< unclamped components of the nodes
   std::vector<MortarRow> rows_;
+  double facet_size_ = 0;
   std::array<double, 3> towards_{}; ///< mean of ν_i over the covered surface, a unit vector
 };
 

@@ -2,7 +2,6 @@
 #pragma once
 #include "base/error.h"
 #include "diagnostics/balance.h"
-#include "fem/deformation.h"
 #include "step/step.h"
 #include <array>
 #include <limits>
@@ -43,6 +42,8 @@ private:
   /// Checks the displacement `y` at time `t` (s).
   void check_displacement(Vec y, double t);
   void check_contact(Vec y, double t);
+  /// Checks how far nodes in contact with another part have slid along it.
+  void check_slide(Vec y, double t);
   void add_of_mesh(std::vector<Warning>& warnings) const;
   /// Number of the scene's forces at nodes that clamps hold in every direction of the force. Collective.
   [[nodiscard]] int forces_on_clamps() const;
@@ -57,30 +58,11 @@ private:
   double largest_energy_time_ = -1; ///< time of largest_energy_state_, s; negative if it need not be checked
   Worst obstacle_turn_;             ///< rotation of an obstacle with mass, rad
   Worst strain_, rotation_, inverted_, slip_, gap_;
+  Worst slide_;              ///< tangential jump of two parts in contact, in facets of the slave side
   Worst axis_;               ///< depth of a node on the axis without candidate inside an obstacle, m
   std::vector<double> gaps_; ///< gaps of the constraint rows, m
   std::optional<contact::ContactPairs::Gaps> psi_;
+  std::optional<contact::ConstraintRows> jumps_; ///< ContactPairs::jumps(); absent without contact of parts
 };
-
-/// Extent, mass and wave speeds of the body, for spotting unit errors.
-struct BodyFigures {
-  std::array<double, 3> extent{}; ///< extent of the bounding box, m
-  int dim = 0;                    ///< dimension, 2 or 3
-  std::string model;              ///< model of a body in the plane, mesh.model; "space" in space
-  std::string per_depth{};        ///< suffix of the units of mass, force and energy, scene::per_depth()
-  double mass = 0;                ///< kg, with the suffix per_depth
-  std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
-  std::array<double, 2> shear_waves{};    ///< least and greatest speed over the materials, m/s
-  double crossing = 0;                    ///< time in which the fastest wave crosses the greatest extent, s
-  double crossing_steps = 0;              ///< number of time steps in that time; 0: automatic steps
-  std::vector<std::string> warnings;      ///< implausible figures, one sentence each
-  std::vector<std::string> notes; ///< notes on how the mesh was read, one sentence each; on rank 0 only
-
-  /// Returns the figures as a line of text, without the warnings.
-  [[nodiscard]] std::string line() const;
-};
-
-/// Returns extent, mass, wave speeds and warnings of a scene's undeformed body. Collective.
-BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene);
 
 } // namespace signorini::diagnostics

@@ -240,7 +240,7 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   });
   write(Field::friction, [&] {
     friction_ = petsc::zero_like(now.state.y());
-    contact::set_friction(*problem_.stepper.pairs(), *pressure_, now.contact.lambda,
+    contact::set_friction(problem_.space, *problem_.stepper.pairs(), *pressure_, now.contact.lambda,
                           now.step.scheme().impulse(), friction_);
     return Vec(friction_);
   });

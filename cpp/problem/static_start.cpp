@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "problem/static_start.h"
 #include "base/error.h"
-#include "diagnostics/plausibility.h"
+#include "diagnostics/body_figures.h"
 #include "step/functionals.h"
 #include "step/scheme.h"
 #include "step/solver_choice.h"

@@ -79,6 +79,23 @@ def rubbed(contact: str, friction: float, belt: str = "") -> str:
     return contact.replace(" }\n", f"{belt} }}\nfriction = {friction}\n")
 
 
+# Two discs that collide, of which the left one meets a plane or the right one.
+DISCS = """
+[mesh]
+file = "{meshes}/two-discs.geo"
+scale = {scale!r}
+[time]
+end = 0.1
+step = 5e-4
+[initial]
+velocity = ["x < 0.51 ? 1 : 0", "0"]
+[material]
+density = 1.0
+young = 1000.0
+poisson = 0.3
+"""
+SIDE = '[contact]\non = "right side"\n'
+
 SECTION = BODY.replace("half-disc.geo", "half-ball-section.geo")
 EFFECTS = {
     "half section": {"body": SECTION},
@@ -101,7 +118,13 @@ EFFECTS = {
     # beside "+ bounds"
     "+ obstacle with mass": {"contact": OBSTACLE.format(height=-15.75).replace(" }\n", ", mass = 1e4 }\n")},
     "+ that turns": {"contact": OBSTACLE.format(height=-15.75).replace(" }\n", ", mass = 1e4, inertia = 1e6 }\n")},
-}
+    "two discs, plane": {
+        "body": DISCS, "viscosity": "", "contact": SIDE + 'obstacle = { shape = "half-space", point = [0.51, 0], normal = [-1, 0] }\n',
+        "control": '[control]\nscale = 1.0\ninitial = ["0", "-0.1"]\nlower = -0.5\nupper = 0.5\n',
+    },
+    "two discs, each other": {"contact": SIDE + 'against = "left side"\n'},
+    "+ friction": {"contact": SIDE + 'against = "left side"\nfriction = 0.2\n'},
+}  # fmt: skip
 
 
 def effects(size: float, repeats: int) -> list[dict]:
@@ -110,7 +133,8 @@ def effects(size: float, repeats: int) -> list[dict]:
         scene = Path(folder) / "effects.toml"
         for name, added in EFFECTS.items():
             tables |= added
-            scene.write_text("".join(tables.values()).replace("{meshes}", str(ROOT / "meshes")).replace("{size!r}", repr(size)))
+            text = "".join(tables.values()).replace("{meshes}", str(ROOT / "meshes"))
+            scene.write_text(text.replace("{size!r}", repr(size)).replace("{scale!r}", repr(2 * size)))
             rows.append({"effect": name, "size": size} | json.loads(program.output("signorini-bench-effects", scene, str(repeats))))
     return rows
 

@@ -47,6 +47,22 @@ def test_none(ranks: int, tmp_path: Path) -> None:
     assert not warnings(tmp_path) and "warning" not in done.stdout
 
 
+@pytest.mark.parametrize("ranks, degree", ((1, 1), (2, 1), (1, 2)))
+def test_slide_of_parts(ranks: int, degree: int, tmp_path: Path) -> None:
+    """The upper square is pressed on the lower one and moves along it: by more than its facets of 1/7, and by less at a fifth of the speed."""
+    for speed, warned in ((1.5, True), (0.3, False)):
+        out = tmp_path / str(speed)
+        done = signorini("simulate", DATA / "two-squares.toml", out, ranks, initial__velocity=[f"y > 1.02 ? {speed} : 0", "y > 1.02 ? -0.1 : 0"],
+                         contact__friction=0.0, contact__height=0.049, time__end=0.4, mesh__degree=degree)  # fmt: skip
+        assert table(out / "steps.csv")["active"].max() > 2
+        found = warnings(out)
+        assert ("motion beyond a facet" in found) is warned
+        if warned:
+            reached = re.search(r"t = (\S+) s", found["motion beyond a facet"]["message"]).group(1)
+            assert found["motion beyond a facet"]["value"] == pytest.approx(7 * speed * float(reached), rel=0.05)
+            assert "slid" in done.stdout
+
+
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_parts_of_the_mesh(ranks: int, tmp_path: Path) -> None:
     done = signorini("simulate", BLOCK, tmp_path, ranks, **APART)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "diagnostics/body_figures.h"
 #include "diagnostics/contact_forces.h"
-#include "diagnostics/plausibility.h"
 #include "fixtures.h"
 #include "trajectory/approach.h"
 #include <catch2/catch_test_macros.hpp>

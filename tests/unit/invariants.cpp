@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "diagnostics/balance.h"
-#include "diagnostics/plausibility.h"
+#include "diagnostics/body_figures.h"
 #include "fixtures.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>

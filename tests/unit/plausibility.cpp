@@ -2,6 +2,7 @@
 #include "diagnostics/plausibility.h"
 #include "base/collective.h"
 #include "fem/coherence.h"
+#include "fem/deformation.h"
 #include "fixtures.h"
 #include "io/point_match.h"
 #include <algorithm>

@@ -77,6 +77,22 @@ def test_pressure_on_both_faces(simulate: Runner) -> None:
         near(np.delete(pressure, np.flatnonzero(abs(done.points[:, 1] - 1.025) < 0.03), axis=1), np.zeros((len(force), len(done.points) - 14)))
 
 
+@pytest.mark.key("contact.against", "contact.friction", "output.fields")
+@pytest.mark.parametrize("degree", (1, 2))
+def test_friction_on_both_faces(degree: int, simulate: Runner) -> None:
+    """The tractions integrated over the faces are the friction forces on the parts, equal and opposite."""
+    slipping = {"initial__velocity": ["y > 1.02 ? 0.3 : 0", "y > 1.02 ? -0.3 : 0.2"], "contact__friction": 0.3, "output__every": 1, "mesh__degree": degree}
+    done = simulate(SQUARES, **slipping, output__fields=["displacement", "friction"])
+    friction, force = done.field("friction"), table(done.folder / "obstacles.csv")["force_x"]
+    assert abs(force).max() > 0.05
+    for height, sign in ((1.05, 1), (1.0, -1)):
+        face = np.flatnonzero(abs(done.points[:, 1] - height) < 1e-9)
+        face = face[np.argsort(done.points[face, 0])]
+        x = done.points[face, 0]
+        hats = np.gradient(x) * np.where((x > 1e-9) & (x < 1 - 1e-9), 1.0, 0.5)
+        near(friction[:, face, 0] @ hats, sign * force, 1e-2 if sign < 0 else 1e-6)
+
+
 @pytest.mark.key("contact.against", "mesh.degree")
 @pytest.mark.parametrize("linear", ("direct", "iterative"))
 def test_degree_2(linear: str, simulate: Runner) -> None:
