@@ -69,7 +69,7 @@ std::vector<double> DelassusOperator::inverse() const {
 
 void DelassusOperator::refine_on_set(const ActiveSet& set, std::span<const double> psi,
                                      std::span<double> lambda, std::span<double> motion, Vec y,
-                                     Workspace& work, double digits) const {
+                                     Workspace& work, double digits, double scale) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
@@ -77,7 +77,7 @@ void DelassusOperator::refine_on_set(const ActiveSet& set, std::span<const doubl
   for (int pass = 0;; ++pass) {
     condensation_->finish(work.half_solve, lambda, y); // y = D⁻¹ (r − N λ)
     rows_.apply_transpose(y, motion);
-    double size = 0, defect = 0;
+    double size = scale, defect = 0;
     for (std::size_t i = 0; i < motion.size(); ++i)
       size = std::max({size, std::abs(motion[i]), std::abs(psi[i])});
     work.b.clear();
@@ -138,11 +138,14 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
   for (int i : set)
     work.b.push_back(work.motion[i] - value[i]);
   solve_active(set, work.b, work);
+  double predicted = 0; // where all candidates are closed, the motion itself is no scale of its rounding
+  for (const double motion : work.motion)
+    predicted = std::max(predicted, std::abs(motion));
   for (std::size_t i = 0; i < set.size(); ++i)
     mu[set[i]] = work.b[i];
   // Prescribed motions are data of derivatives, which no energy balance checks: a pass for their last digits
   // would cost half a solve.
-  refine_on_set(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
+  refine_on_set(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding, predicted);
 }
 
 void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace& work) const {

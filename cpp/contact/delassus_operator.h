@@ -67,9 +67,9 @@ private:
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
   /// Does the work of finish_closed(), but sets `motion` to Hᵀy instead of computing the gaps. Refines λ, at
   /// most three times, until |Hᵀy − ψ| on the set is at most `digits` machine epsilons relative to the
-  /// largest entry of Hᵀy and ψ.
+  /// largest entry of Hᵀy and ψ, or to `scale` if that is larger.
   void refine_on_set(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                     std::span<double> motion, Vec y, Workspace& work, double digits) const;
+                     std::span<double> motion, Vec y, Workspace& work, double digits, double scale = 0) const;
   /// Solves a linearised step whose laws are not symmetric or, if `transposed`, its transpose.
   void solve_by_equations(const LinearisedContact& step, bool transposed, Workspace& work) const;
 
