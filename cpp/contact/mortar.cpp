@@ -365,6 +365,22 @@ std::vector<MortarRow> mortar_rows(const fem::SurfaceMesh& slave, const fem::Sur
   return rows;
 }
 
+std::vector<double> hat_areas(const fem::SurfaceMesh& surface, int dim, bool axisymmetric) {
+  std::vector<double> areas(surface.vertices.size());
+  const auto corners = static_cast<std::size_t>(dim);
+  for (const fem::SurfaceMesh::Facet& facet : surface.facets) {
+    const double size = facet_measure(surface, facet, dim);
+    const auto radius = [&](std::size_t corner) {
+      return surface.vertices[static_cast<std::size_t>(facet.vertices[corner])].x[0];
+    };
+    for (std::size_t corner = 0; corner < corners; ++corner)
+      areas[static_cast<std::size_t>(facet.vertices[corner])] +=
+          axisymmetric ? 2 * std::numbers::pi * size * (2 * radius(corner) + radius(1 - corner)) / 6
+                       : size / dim;
+  }
+  return areas;
+}
+
 double facet_size(const fem::SurfaceMesh& surface, int dim) {
   double sum = 0;
   for (const fem::SurfaceMesh::Facet& facet : surface.facets)

@@ -39,6 +39,10 @@ struct MortarRow {
                                                  const fem::SurfaceMesh& master, int dim, bool axisymmetric,
                                                  const std::string& key);
 
+/// Integrals of the hat functions of a surface's vertices over all of their facets, m or m². `dim`,
+/// `axisymmetric`: as in mortar_rows().
+[[nodiscard]] std::vector<double> hat_areas(const fem::SurfaceMesh& surface, int dim, bool axisymmetric);
+
 /// Mean length (in space: square root of the mean area) of the facets of a surface, m.
 [[nodiscard]] double facet_size(const fem::SurfaceMesh& surface, int dim);
 

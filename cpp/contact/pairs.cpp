@@ -448,11 +448,14 @@ void place_outside(const ContactPairs& pairs, Vec y) {
         ++all;
         inside += g[i] < -allowed;
       }
-    if (pairs.surfaces(obstacles[deepest]))
+    if (const SurfacePair* surfaces = pairs.surfaces(obstacles[deepest]))
       throw UserError(fmt::format(
-          "{}: the node at {} starts {:.6g} m inside the other part, as do {} of {} candidates. Move a part, "
-          "or set contact.initial = \"project\", which moves such nodes out",
-          pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest], inside, all));
+          "{}: the node at {} starts {:.6g} m inside the other part, as do {} of {} candidates. {}, or set "
+          "contact.initial = \"project\", which moves such nodes out",
+          pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest], inside, all,
+          surfaces->height() > 0
+              ? fmt::format("Move a part, or lower contact.height, {:.6g} m", surfaces->height())
+              : "Move a part"));
     // A reversed normal puts bodies deep inside; a face with otherwise rounded coordinates does not.
     constexpr double shallow = 1e-3; // part of the body's diameter
     const bool slight = -g[deepest] < shallow * pairs.diameter();

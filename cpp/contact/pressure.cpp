@@ -44,6 +44,9 @@ std::vector<double> nodal_areas(const fem::Space& space, const ContactPairs& pai
 Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
                    const std::vector<scene::Contact>& contacts)
     : area_(nodal_areas(space, pairs, contacts)) {
+  for (std::size_t i = 0; i < area_.size(); ++i)
+    if (const MortarRow* row = pairs.mortar_row(static_cast<int>(i)))
+      area_[i] = pairs.surfaces(pairs.obstacles()[i])->slave_area(*row);
   for (int i = 0; i < pairs.obstacle_count() && space.degree() > 1; ++i)
     if (!pairs.surfaces(i)) // whose areas are those of hat functions
       add_edges(space, pairs, contacts[i].on, i);
@@ -126,14 +129,14 @@ void Pressure::extend_to_axis(const std::vector<double>& pressures, std::vector<
 
 namespace {
 
-/// Means Σ_i C_ij W_i x_i / Σ_i C_ij W_i of the candidates' values opposite the master nodes of contact
-/// between parts that this rank owns: (local node, mean), for one contact after the other.
-std::vector<std::pair<std::size_t, double>>
-means_at_masters(const fem::Space& space, const ContactPairs& pairs, const std::vector<double>& values) {
+/// Tractions at the master nodes of contact between parts that this rank owns: (local node, Σ_i C_ij F_i / ∫
+/// φ_j), for one contact after the other. `tractions`: F_i / ∫ φ_i of the candidates.
+std::vector<std::pair<std::size_t, double>> at_masters(const fem::Space& space, const ContactPairs& pairs,
+                                                       const std::vector<double>& tractions) {
   struct Sums {
     double force = 0, area = 0;
   };
-  std::vector<std::pair<std::size_t, double>> means;
+  std::vector<std::pair<std::size_t, double>> found;
   for (int contact = 0; contact < pairs.obstacle_count(); ++contact) {
     const SurfacePair* surfaces = pairs.surfaces(contact);
     if (!surfaces)
@@ -142,26 +145,28 @@ means_at_masters(const fem::Space& space, const ContactPairs& pairs, const std::
     for (int i = 0; i < pairs.count(); ++i)
       if (pairs.obstacles()[i] == contact) {
         const MortarRow& row = *pairs.mortar_row(i);
-        surfaces->for_each_master_hat(row, [&](const fem::SurfaceMesh::Vertex& vertex, double weight) {
-          Sums& sums = at[vertex.first_dof];
-          sums.force += weight * row.area * values[static_cast<std::size_t>(i)];
-          sums.area += weight * row.area;
-        });
+        const double force = surfaces->slave_area(row) * tractions[static_cast<std::size_t>(i)];
+        surfaces->for_each_master_hat(
+            row, [&](const fem::SurfaceMesh::Vertex& vertex, double weight, double area) {
+              Sums& sums = at[vertex.first_dof];
+              sums.force += weight * force;
+              sums.area = area;
+            });
       }
     for (const auto& [dof, sums] : at) {
       const PetscInt node = (dof - space.first_dof()) / space.dim();
       if (dof >= space.first_dof() && node < space.owned_nodes() && sums.area > 0)
-        means.emplace_back(node, sums.force / sums.area);
+        found.emplace_back(node, sums.force / sums.area);
     }
   }
-  return means;
+  return found;
 }
 
 } // namespace
 
 void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
                        const std::vector<double>& pressures, std::vector<double>& field) {
-  for (const auto& [node, pressure] : means_at_masters(space, pairs, pressures))
+  for (const auto& [node, pressure] : at_masters(space, pairs, pressures))
     field[node] = std::max(field[node], pressure);
 }
 
@@ -209,7 +214,7 @@ void set_friction(const fem::Space& space, const ContactPairs& pairs, const Pres
     std::vector<double> along(static_cast<std::size_t>(pairs.count()));
     for (std::size_t i = 0; i < along.size(); ++i)
       along[i] = tractions[i * dim + c];
-    for (const auto& [node, traction] : means_at_masters(space, pairs, along))
+    for (const auto& [node, traction] : at_masters(space, pairs, along))
       values[dim * node + c] -= traction;
   }
 }

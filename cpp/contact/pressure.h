@@ -65,9 +65,8 @@ private:
   std::vector<double> area_;
 };
 
-/// Sets the entries of the master nodes of contact between parts that this rank owns to the pressures there:
-/// the mean Σ_i C_ij F_i / Σ_i C_ij W_i of the candidates opposite a node. `pressures`: of the candidates,
-/// N/m². Not collective.
+/// Sets the entries of the master nodes of contact between parts that this rank owns to the pressures there,
+/// Σ_i C_ij F_i / ∫ φ_j. `pressures`: of the candidates, N/m². Not collective.
 void extend_to_masters(const fem::Space& space, const ContactPairs& pairs,
                        const std::vector<double>& pressures, std::vector<double>& field);
 

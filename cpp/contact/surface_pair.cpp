@@ -88,13 +88,16 @@ SurfacePair::SurfacePair(const fem::Space& space, const fem::DirichletDofs& clam
     exchange();
   const fem::SurfaceMesh::Vertex* held = find_rows();
   if (held && !contact.slave)
-    exchange(), held = find_rows();
+    exchange(), held = find_rows(), exchanged_ = true;
   if (held)
     throw UserError(fmt::format(
         "{}.slave: a clamp holds the node at {} of the group \"{}\" towards the other part; {}", key,
         point_text(held->x.data()), side_ == scene::ContactSide::on ? contact.on : *contact.against,
         contact.slave ? "choose the other side" : "end the group before the clamp"));
   facet_size_ = contact::facet_size(slave_, dim);
+  height_ = contact.height;
+  slave_areas_ = hat_areas(slave_, dim, space.mesh().axisymmetric());
+  master_areas_ = hat_areas(master_, dim, space.mesh().axisymmetric());
   for (const MortarRow& row : rows_)
     for (std::size_t c = 0; c < 3; ++c)
       towards_[c] += row.area * row.nu[c];

@@ -25,16 +25,26 @@ public:
   [[nodiscard]] const fem::SurfaceMesh::Vertex& node(const MortarRow& row) const {
     return slave_.vertices[static_cast<std::size_t>(row.vertex)];
   }
-  /// Calls visit(vertex, weight) for the integrals with hat functions of the master surface in a row, whose
-  /// sum is 1. A hat function of degree 2 is that of its vertex and half of those of the midpoints around.
+  /// Integral of the hat function of the slave node of a row over all of its facets, m or m².
+  [[nodiscard]] double slave_area(const MortarRow& row) const {
+    return slave_areas_[static_cast<std::size_t>(row.vertex)];
+  }
+  /// contact.height, m.
+  [[nodiscard]] double height() const { return height_; }
+  /// Whether the slave side is the one with the larger facets, since clamps hold nodes of the other one.
+  [[nodiscard]] bool exchanged() const { return exchanged_; }
+  /// Calls visit(vertex, weight, area) for the integrals with hat functions of the master surface in a row,
+  /// whose sum is 1, with the integral of the hat function over all of its facets. A hat function of degree 2
+  /// is that of its vertex and half of those of the midpoints around.
   template <class Visit>
   void for_each_master_hat(const MortarRow& row, Visit&& visit) const {
     for (const auto& [node, weight] : row.master)
       if (const auto number = static_cast<std::size_t>(node); number < master_.vertices.size())
-        visit(master_.vertices[number], weight);
+        visit(master_.vertices[number], weight, master_areas_[number]);
       else
         for (const int end : master_.midpoints[number - master_.vertices.size()].ends)
-          visit(master_.vertices[static_cast<std::size_t>(end)], weight / 2);
+          visit(master_.vertices[static_cast<std::size_t>(end)], weight / 2,
+                master_areas_[static_cast<std::size_t>(end)]);
   }
   /// Unclamped components of the slave node of a row, one bit for each.
   [[nodiscard]] int free_components(const MortarRow& row) const {
@@ -55,7 +65,9 @@ private:
   fem::SurfaceMesh slave_, master_;
   std::vector<int> slave_free_, master_free_; ///< unclamped components of the nodes
   std::vector<MortarRow> rows_;
-  double facet_size_ = 0;
+  std::vector<double> slave_areas_, master_areas_; ///< hat_areas()
+  double facet_size_ = 0, height_ = 0;
+  bool exchanged_ = false;
   std::array<double, 3> towards_{}; ///< mean of ν_i over the covered surface, a unit vector
 };
 

@@ -129,6 +129,16 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
     figures.notes.emplace_back(
         "the axis has no contact candidate: in degree 2 a pressure exerts no force on the node "
         "there");
+  for (int i = 0; stepper.pairs() && i < stepper.pairs()->obstacle_count(); ++i)
+    if (const contact::SurfacePair* surfaces = stepper.pairs()->surfaces(i);
+        surfaces && surfaces->exchanged())
+      figures.notes.push_back(fmt::format("{}: the candidates are nodes of the group \"{}\", whose facets "
+                                          "are larger, since clamps hold nodes of "
+                                          "the other group",
+                                          stepper.pairs()->key(i),
+                                          surfaces->slave_side() == scene::ContactSide::on
+                                              ? scene.contacts[static_cast<std::size_t>(i)].on
+                                              : *scene.contacts[static_cast<std::size_t>(i)].against));
   figures.mass = step::mean(stepper.space(), stepper.operators().M, 0).measure;
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {

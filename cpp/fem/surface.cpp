@@ -198,8 +198,8 @@ void add_midpoints(int dim, const std::vector<SurfaceEdge>& edges, const std::ma
 
 SurfaceMesh surface_mesh(const Space& space, const std::string& group, const std::string& key) {
   if (inner_facets(space.mesh(), group, key) > 0)
-    throw UserError(fmt::format("{}: the group \"{}\" has facets inside the body; choose a group of its "
-                                "boundary",
+    throw UserError(fmt::format("{}: the group \"{}\" has facets inside the body. Choose a group of its "
+                                "boundary; parts in contact must not share nodes",
                                 key, group));
   const int dim = space.dim();
   std::vector<SurfaceEdge> edges;

@@ -17,6 +17,8 @@ void require_drop(Reader& in, const Initial& initial, const Scene& scene) {
   const auto fail = [&](const char* what) { in.fail("drop", what); };
   if (scene.contacts.empty())
     fail("has no meaning without contact; add a table [contact]");
+  if (std::ranges::all_of(scene.contacts, [](const Contact& one) { return one.against.has_value(); }))
+    fail("found with contact.against alone, where no obstacle stops a fall; give initial.velocity, √(2 g h)");
   if (!scene.load || !scene.load->gravity || vanishes(*scene.load->gravity))
     fail("needs the acceleration of its fall; give load.gravity");
   if (Field(*scene.load->gravity, "load.gravity", true).depends_on_time())

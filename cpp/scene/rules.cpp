@@ -204,7 +204,8 @@ void require_rules(Reader& in, const Output& output, const Scene& scene) {
   if (output.field(StoredField::pressure) && scene.contacts.empty())
     in.fail("fields", "found \"pressure\", which has no meaning without contact; add a table [contact]");
   if (output.field(StoredField::friction) && !scene.frictional())
-    in.fail("fields", "found \"friction\", which has no meaning without friction; give contact.friction");
+    in.fail("fields",
+            "found \"friction\", which has no meaning without friction; give contact.friction above 0");
 }
 
 void require_rules(Reader& in, const Exact&, const Scene& scene) {

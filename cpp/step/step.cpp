@@ -22,8 +22,13 @@ long &steps = count("steps"), &linearised_steps = count("linearised steps");
 /// has no contact.
 double wave_time(const fem::Space& space, const scene::Scene& scene) {
   std::vector<fem::Surface> surfaces;
-  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
-    surfaces.push_back({scene.contacts[i].on, scene::contact_key(scene.contacts, i) + ".on"});
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const scene::Contact& contact = scene.contacts[i];
+    const std::string key = scene::contact_key(scene.contacts, i);
+    surfaces.push_back({contact.on, key + ".on"});
+    if (contact.against)
+      surfaces.push_back({*contact.against, key + ".against"});
+  }
   const auto varies = [](const scene::Components& load, const std::string& key) {
     return scene::Field(load, key, true).depends_on_time();
   };

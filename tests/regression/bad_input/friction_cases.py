@@ -95,7 +95,7 @@ def friction_cases() -> list[Case]:
         contact("friction in the full inequality", RUBS, 'solver.vi: found "full" with contact.friction', 'use "condensed"', at="",
                 options=("--set", "solver.vi=full")),
         edited("traction of friction without friction", "every = 1", 'every = 1\nfields = ["friction"]',
-               'output.fields: found "friction", which has no meaning without friction; give contact.friction', at="fields ="),
+               'output.fields: found "friction", which has no meaning without friction; give contact.friction above 0', at="fields ="),
         edited("static start beside a displacement", 'velocity = ["0", "0"]', "static = true",
                "initial.static: found together with initial.displacement, which it replaces; remove one of them"),
         edited("number for a static start", 'displacement = ["0", "0"]', "static = 1", "initial.static: found 1; expected true or false"),

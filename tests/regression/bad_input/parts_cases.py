@@ -55,6 +55,10 @@ def parts_cases() -> list[Case]:
         parts("parts in steps that the motion chooses", under, 'contact.against: found together with time.step = "auto"',
               options=("--set", "time.step=auto"), verb="info", at="against"),
         parts("parts in the full inequality", under, 'solver.vi: found "full" with contact.against', options=("--set", "solver.vi=full")),
+        parts("dropped parts", under, "initial.drop: found with contact.against alone", "give initial.velocity", at="drop =",
+              also=(("[load]\n", "[load]\ngravity = [0, -9.81]\n"),
+                    ('displacement = ["0", "0"]\nvelocity = ["0", "0"]\n', "drop = { height = 1.0 }\n"))),  # fmt: skip
+        parts("part that is too high", f"{under}\nheight = 0.08", "contact: the node at", "starts 0.03 m inside the other part", "lower contact.height, 0.08 m"),
         parts("accuracy of parts", under, estimate, options=("--accuracy", "0.1"), verb="optimize"),
         parts("part twice", f'{under}\n[[contact]]\non = "bottom"\n{under}', 'contact[1].against: found "under" on "bottom", as in contact[0]',
               also=(("[contact]", "[[contact]]"),)),

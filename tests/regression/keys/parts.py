@@ -77,6 +77,28 @@ def test_pressure_on_both_faces(simulate: Runner) -> None:
         near(np.delete(pressure, np.flatnonzero(abs(done.points[:, 1] - 1.025) < 0.03), axis=1), np.zeros((len(force), len(done.points) - 14)))
 
 
+@pytest.mark.key("contact.against", "output.fields")
+@pytest.mark.parametrize("side", ("on", "against"))
+def test_pressure_on_a_wider_face(side: str, simulate: Runner, tmp_path: Path) -> None:
+    """Where one square is narrower, pressures times areas still add up to the forces, on the facets that it covers in part too."""
+    narrow = SQUARES.with_suffix(".geo").read_text()
+    for right in ("Point(6) = {1,", "Point(7) = {1,"):
+        assert right in narrow
+        narrow = narrow.replace(right, right.replace("1", "0.63"))
+    (tmp_path / "narrow.geo").write_text(narrow)
+    done = simulate(SQUARES, **FALL, mesh__file=str(tmp_path / "narrow.geo"), contact__slave=side, output__fields=["displacement", "pressure"])
+    pressure, force = done.field("pressure")[:, :, 0], table(done.folder / "obstacles.csv")["force_y"]
+    assert force.max() > 0.1
+    for height in (1.0, 1.05):
+        face = np.flatnonzero(abs(done.points[:, 1] - height) < 1e-9)
+        face = face[np.argsort(done.points[face, 0])]
+        x = done.points[face, 0]
+        hats = np.gradient(x) * np.where((x > x.min()) & (x < x.max()), 1.0, 0.5)
+        found = pressure[:, face] @ hats
+        assert abs(found - force).max() < 0.06 * force.max(), height  # negative values, which are left out
+        assert pressure[:, face].max() < 4 * force.max()
+
+
 @pytest.mark.key("contact.against", "contact.friction", "output.fields")
 @pytest.mark.parametrize("degree", (1, 2))
 def test_friction_on_both_faces(degree: int, simulate: Runner) -> None:
