@@ -34,6 +34,8 @@ public:
   [[nodiscard]] int count() const { return static_cast<int>(psi_.size()); }
   /// Coordinates of the pairs' nodes (m × 3), in metres.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
+  /// Returns the coordinates of a pair's node as text, for messages.
+  [[nodiscard]] std::string node_text(int i) const;
   /// ν_i (m × dim), unit vectors from the body to the obstacle.
   [[nodiscard]] const std::vector<double>& normals() const { return normals_; }
   /// Constraint operator H in the gaps ψ − Hᵀy: one row per pair, on the dofs of the pair's node.
@@ -233,11 +235,5 @@ private:
 
 /// Returns the contacts without their friction: their pairs have normal rows alone.
 [[nodiscard]] std::vector<scene::Contact> without_friction(std::vector<scene::Contact> contacts);
-
-/// Changes the initial displacement y of nodes that start inside an obstacle with contact.initial =
-/// "project": moves them to the closest position that the constraints of all their obstacles permit. Throws
-/// UserError if nodes start inside any other obstacle, naming the deepest of these nodes, and if a node has
-/// no such position. Collective.
-void place_outside(const ContactPairs& pairs, Vec y);
 
 } // namespace signorini::contact

@@ -4,6 +4,7 @@
 #include "base/signals.h"
 #include "base/timers.h"
 #include "contact/pairs.h"
+#include "contact/placement.h"
 #include "trajectory/drop.h"
 #include "trajectory/step_control.h"
 #include <algorithm>

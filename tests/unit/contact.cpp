@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/timers.h"
 #include "contact/pairs.h"
+#include "contact/placement.h"
 #include "contact/solver/condensed.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>

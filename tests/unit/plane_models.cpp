@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "body.h"
+#include "contact/placement.h"
 #include "fem/cell_fields.h"
 #include "fem/deformation.h"
 #include "fem/rigid_motions.h"

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/pairs.h"
+#include "contact/placement.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
