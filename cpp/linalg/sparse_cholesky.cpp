@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.h"
 #include "base/error.h"
+#include "linalg/side_by_side.h"
 #include "linalg/supernodal.h"
 #include <algorithm>
 #include <array>
@@ -60,6 +61,8 @@ struct SparseCholesky::Cholmod {
   std::vector<double> z, x;               ///< scratch of solves (n)
   std::vector<double> b;                  ///< right-hand side for a simplicial factor, else empty
   std::optional<TriangularSolves> solves; ///< present if the factor is supernodal
+  Lockstep* lockstep = nullptr;           ///< whose tasks share solves
+  SideBySide together;                    ///< right-hand sides of its tasks
 
   Cholmod() {
     cholmod_start(&common);
@@ -281,7 +284,71 @@ std::vector<double> SparseCholesky::trailing_factor() const {
 
 std::size_t SparseCholesky::size() const { return c_->factor->n; }
 
+/// z ← L⁻¹ P b or x ← Pᵀ L⁻ᵀ (z, trailing block).
+class SparseCholesky::Shared final : public SharedSolve {
+public:
+  Shared(const SparseCholesky& solver, bool forward, Vec vector, std::span<double> z,
+         std::span<const double> before, std::span<const double> trailing_block)
+      : vector(vector), z(z), before(before), trailing_block(trailing_block), solver_(solver),
+        forward_(forward) {}
+  void make(std::span<SharedSolve* const> all) override { solver_.make(all, forward_); }
+  [[nodiscard]] const void* kind() const override {
+    return reinterpret_cast<const char*>(solver_.c_.get()) + (forward_ ? 0 : 1);
+  }
+
+  Vec vector;
+  std::span<double> z;
+  std::span<const double> before, trailing_block;
+
+private:
+  const SparseCholesky& solver_;
+  bool forward_;
+};
+
+void SparseCholesky::unite(Lockstep* lockstep) const {
+  if (c_->factor->is_super)
+    c_->lockstep = lockstep;
+}
+
+void SparseCholesky::make(std::span<SharedSolve* const> all, bool forward) const {
+  const auto* permutation = static_cast<const int*>(c_->factor->Perm);
+  const std::size_t n = size();
+  c_->together.resize(n, all.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto& one = static_cast<const Shared&>(*all[k]);
+    const SideBySide::Column to = c_->together.column(k);
+    if (forward) {
+      const petsc::ReadArray b(one.vector);
+      for (std::size_t i = 0; i < n; ++i)
+        to[i] = b[permutation[i]];
+    } else {
+      const std::size_t before = n - one.trailing_block.size();
+      for (std::size_t i = 0; i < n; ++i)
+        to[i] = i < before ? one.before[i] : one.trailing_block[i - before];
+    }
+  }
+  forward ? c_->solves->forward(c_->together.groups()) : c_->solves->backward(c_->together.groups());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto& one = static_cast<const Shared&>(*all[k]);
+    const SideBySide::Column from = c_->together.column(k);
+    if (forward) {
+      for (std::size_t i = 0; i < n; ++i)
+        one.z[i] = from[i];
+    } else {
+      const petsc::WriteArray x(one.vector);
+      for (std::size_t i = 0; i < n; ++i)
+        x[permutation[i]] = from[i];
+      count_solves();
+    }
+  }
+}
+
 void SparseCholesky::forward(Vec b, std::span<double> z) const {
+  if (c_->lockstep && c_->lockstep->inside()) {
+    Shared half(*this, true, b, z, {}, {});
+    c_->lockstep->wait(half);
+    return;
+  }
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
   {
     const petsc::ReadArray values(b);
@@ -294,6 +361,11 @@ void SparseCholesky::forward(Vec b, std::span<double> z) const {
 
 void SparseCholesky::backward(std::span<const double> z, std::span<const double> trailing_block,
                               Vec x) const {
+  if (c_->lockstep && c_->lockstep->inside()) {
+    Shared half(*this, false, x, {}, z, trailing_block);
+    c_->lockstep->wait(half);
+    return;
+  }
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
   const std::span<double> right = c_->right_hand_side(c_->x);
   std::ranges::copy(z.first(z.size() - trailing_block.size()), right.begin());
@@ -306,6 +378,12 @@ void SparseCholesky::backward(std::span<const double> z, std::span<const double>
 }
 
 void SparseCholesky::solve(Vec b, Vec x) const {
+  if (c_->lockstep && c_->lockstep->inside()) { // other tasks run between the halves
+    std::vector<double> z(size());
+    forward(b, z);
+    backward(z, {}, x);
+    return;
+  }
   forward(b, c_->z);
   backward(c_->z, {}, x);
 }

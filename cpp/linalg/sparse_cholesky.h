@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "linalg/linear_solver.h"
+#include "linalg/lockstep.h"
 #include <limits>
 #include <memory>
 #include <span>
@@ -62,8 +63,15 @@ public:
   /// Backward solve x = Pᵀ L⁻ᵀ z, where the last c entries of z (n) are replaced by `trailing_block` (c).
   void backward(std::span<const double> z, std::span<const double> trailing_block, Vec x) const;
 
+  /// Makes the solves of the tasks of `lockstep` together; null: no more. Does nothing for a factor that fits
+  /// into the cache.
+  void unite(Lockstep* lockstep) const;
+
 private:
   struct Cholmod; ///< CHOLMOD's objects
+  class Shared;   ///< a half of a solve that others share
+  /// Forward and backward solves of several right-hand sides at once.
+  void make(std::span<SharedSolve* const> all, bool forward) const;
   std::unique_ptr<Cholmod> c_;
   int trailing_size_;
   EliminationOrder order_;

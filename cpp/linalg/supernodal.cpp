@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/supernodal.h"
+#include "linalg/supernode.h"
 #include <algorithm>
 #include <numeric>
 #include <omp.h>
@@ -22,8 +23,6 @@ namespace {
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
 
-/// Number of columns of a supernode that are solved before the rows below them are updated.
-constexpr std::ptrdiff_t panel_width = 64;
 /// Number of rows (forward) or columns (backward) of a panel that a thread takes at a time.
 constexpr std::ptrdiff_t rows_at_once = 128, columns_at_once = 8;
 /// Number of entries above which a supernode is divided among threads. Threads synchronise twice per panel,
@@ -32,23 +31,6 @@ constexpr std::ptrdiff_t worth_dividing = 16'384;
 /// Approximate number of subtrees of equal work: large enough for an even distribution among threads, small
 /// enough to leave little work above the subtrees.
 constexpr double subtrees_wanted = 48;
-
-/// Dense trapezoid of L, stored by columns: `height` rows; the first `width` form the diagonal block.
-struct Supernode {
-  const double* values;
-  const int* rows_below;
-  std::ptrdiff_t first, width, height;
-  [[nodiscard]] std::ptrdiff_t below() const { return height - width; }
-};
-
-int count(const cholmod_factor& L) { return static_cast<int>(L.nsuper); }
-
-Supernode supernode(const cholmod_factor& L, std::ptrdiff_t s) {
-  const auto *super = static_cast<const int*>(L.super), *pi = static_cast<const int*>(L.pi),
-             *px = static_cast<const int*>(L.px), *rows = static_cast<const int*>(L.s);
-  const std::ptrdiff_t width = super[s + 1] - super[s];
-  return {static_cast<const double*>(L.x) + px[s], rows + pi[s] + width, super[s], width, pi[s + 1] - pi[s]};
-}
 
 void prefetch(const cholmod_factor& L, std::ptrdiff_t s) {
   if (s < 0 || s >= count(L))
@@ -393,7 +375,7 @@ void TriangularSolves::backward(std::span<double> z) {
 
 std::size_t TriangularSolves::bytes() const {
   return (inside_.size() + place_.size()) * sizeof(int) +
-         (outside_.size() + (work_.size() + 1) * shared_.size()) * sizeof(double);
+         (outside_.size() + outside_lanes_.size() + (work_.size() + 1) * shared_.size()) * sizeof(double);
 }
 
 } // namespace signorini

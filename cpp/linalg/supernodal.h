@@ -25,6 +25,18 @@ public:
   /// Replaces z (n) by L⁻ᵀ z. Only one call of forward() or backward() at a time. Not collective.
   void backward(std::span<double> z);
 
+  /// Right-hand sides side by side: n × `lanes` values.
+  struct LaneGroup {
+    double* values;
+    std::ptrdiff_t lanes; ///< narrow_lanes or wide_lanes
+  };
+  /// Replaces each right-hand side z by L⁻¹ z, reading the factor once for all. The order of sums differs
+  /// from that for a single z, but depends neither on the number of right-hand sides nor on the place of one
+  /// among them. Only one call at a time. Not collective.
+  void forward(std::span<const LaneGroup> groups);
+  /// Replaces each right-hand side z by L⁻ᵀ z, as above.
+  void backward(std::span<const LaneGroup> groups);
+
   /// Memory that this object takes in addition to the factor, bytes.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -42,6 +54,14 @@ private:
     int first, last;
     bool divided;
   };
+
+  /// Part of outside_lanes_ for one subtree and group.
+  [[nodiscard]] double* outside_of(const Subtree& subtree, std::span<const LaneGroup> groups,
+                                   std::size_t group);
+  void forward(const Subtree& subtree, std::span<const LaneGroup> groups);
+  void backward(const Subtree& subtree, std::span<const LaneGroup> groups);
+  void forward_trunk(const Trunk& trunk, std::span<const LaneGroup> groups);
+  void backward_trunk(const Trunk& trunk, std::span<const LaneGroup> groups);
 
   void plan_subtrees();
   void plan_trunk(const std::vector<bool>& in_trunk);
@@ -62,6 +82,7 @@ private:
   std::vector<int> place_;
   /// Values in the rows outside each subtree: its contributions to them (forward), or z (backward).
   std::vector<double> outside_;
+  std::vector<double> outside_lanes_;     ///< as outside_, for groups of right-hand sides
   std::vector<double> shared_;            ///< scratch for a divided supernode (L.maxesize entries)
   std::vector<std::vector<double>> work_; ///< scratch for each thread (L.maxesize entries)
 };

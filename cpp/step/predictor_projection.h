@@ -47,6 +47,9 @@ public:
   [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
                                     const Data* data = nullptr) const;
 
+  /// Makes the solves of the tasks of `lockstep` together, as SolverChoice::unite() does; null: no more.
+  void unite(Lockstep* lockstep) const { (void)solver_.unite(lockstep); }
+
   /// Returns the memory of factor and condensation on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;
 

@@ -76,6 +76,13 @@ public:
   /// Returns whether solves use a guess of the solution.
   [[nodiscard]] bool takes_guess() const { return iterative_ || full_; }
 
+  /// Makes the solves of the tasks of `lockstep` together, by CHOLMOD; null: no more. Returns whether it
+  /// does.
+  bool unite(Lockstep* lockstep) const {
+    if (cholesky_)
+      cholesky_->unite(lockstep);
+    return cholesky_ != nullptr;
+  }
   /// Returns the elimination order of a factorisation by CHOLMOD; empty for other solvers.
   [[nodiscard]] EliminationOrder order() const { return cholesky_ ? cholesky_->order() : EliminationOrder(); }
 

@@ -146,6 +146,13 @@ public:
   /// Returns the operators and the solver of step length `tau` (s), factorised if necessary; valid until the
   /// next step. Collective.
   [[nodiscard]] const StepOperators::PerStepLength& of_length(double tau) const { return lengths_->at(tau); }
+  /// Makes the solves together that the tasks of `lockstep` ask for in steps of length `tau` (s); null: no
+  /// more. Returns whether the solver does that. Collective.
+  bool unite(double tau, Lockstep* lockstep) const {
+    if (predictor_)
+      predictor_->unite(lockstep);
+    return of_length(tau).solver->unite(lockstep);
+  }
   /// Number of factorisations so far, repeated ones included.
   [[nodiscard]] int factorisations() const { return lengths_->factorisations(); }
   /// Total time of the factorisations, s.

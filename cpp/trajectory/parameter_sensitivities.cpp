@@ -5,12 +5,18 @@
 namespace signorini::trajectory {
 using petsc::check;
 
+ParameterSensitivities::Scratch::Scratch(const step::Stepper& stepper)
+    : work(stepper.workspace()), from(stepper.state()), source(stepper.space().vector()),
+      force(stepper.space().vector()), normal(stepper.rows()), law(normal.size()),
+      predictor_normal(normal.size()), zeta(normal.size()) {}
+
 ParameterSensitivities::ParameterSensitivities(const step::Stepper& stepper, step::ParameterRates& rates)
-    : stepper_(stepper), rates_(rates), work_(stepper.workspace()), from_(stepper.state()),
-      source_(stepper.space().vector()), force_(stepper.space().vector()), normal_(stepper.rows()),
-      law_(normal_.size()), predictor_normal_(normal_.size()), zeta_(normal_.size()) {
+    : stepper_(stepper), rates_(rates) {
   for (std::size_t j = 0; j < rates.count(); ++j)
-    motions_.push_back({stepper.state(), std::vector<double>(normal_.size())});
+    motions_.push_back({stepper.state(), std::vector<double>(stepper.rows())});
+  const bool together = rates.count() > 1 && stepper.unite(stepper.first_length(), nullptr);
+  for (std::size_t j = 0; j < (together ? rates.count() : 1); ++j)
+    scratch_.emplace_back(stepper);
 }
 
 void ParameterSensitivities::observe(const Frame& frame) {
@@ -26,29 +32,42 @@ void ParameterSensitivities::observe(const Frame& frame) {
     return;
   }
   rates_.set({frame.step, *frame.before, frame.after, frame.contact});
-  const step::Scheme scheme = frame.step.scheme();
-  for (std::size_t j = 0; j < motions_.size(); ++j) {
-    Derivative& now = motions_[j];
-    from_.copy(now.state);
-    check(VecZeroEntries(source_));
-    rates_.add_step_source(j, source_);
-    check(VecScale(source_, 1 / scheme.impulse())); // as a nodal force
-    std::ranges::fill(normal_, 0);
-    rates_.constraint(j, normal_);
-    const bool of_law = rates_.law(j, law_);
-    const bool projected = rates_.predictor(j, force_, predictor_normal_);
-    const step::PredictorProjection::Data data{force_, predictor_normal_, zeta_};
-    stepper_.linearised_step({frame.step.scheme(),
-                              from_,
-                              {{.vector = source_}},
-                              now.state,
-                              normal_,
-                              now.lambda,
-                              of_law ? std::span<const double>(law_) : std::span<const double>(),
-                              projected ? &data : nullptr},
-                             frame.contact, work_);
-    rates_.add_branch_source(j, now.state);
+  if (scratch_.size() == 1) {
+    for (std::size_t j = 0; j < motions_.size(); ++j)
+      step(frame, j, scratch_.front());
+    return;
   }
+  std::vector<std::function<void()>> steps;
+  for (std::size_t j = 0; j < motions_.size(); ++j)
+    steps.emplace_back([this, &frame, j] { step(frame, j, scratch_[j]); });
+  const double tau = frame.step.scheme().tau;
+  (void)stepper_.unite(tau, &lockstep_);
+  lockstep_.run(steps);
+  (void)stepper_.unite(tau, nullptr);
+}
+
+void ParameterSensitivities::step(const Frame& frame, std::size_t j, Scratch& scratch) {
+  const step::Scheme scheme = frame.step.scheme();
+  Derivative& now = motions_[j];
+  scratch.from.copy(now.state);
+  check(VecZeroEntries(scratch.source));
+  rates_.add_step_source(j, scratch.source);
+  check(VecScale(scratch.source, 1 / scheme.impulse())); // as a nodal force
+  std::ranges::fill(scratch.normal, 0);
+  rates_.constraint(j, scratch.normal);
+  const bool of_law = rates_.law(j, scratch.law);
+  const bool projected = rates_.predictor(j, scratch.force, scratch.predictor_normal);
+  const step::PredictorProjection::Data data{scratch.force, scratch.predictor_normal, scratch.zeta};
+  stepper_.linearised_step({scheme,
+                            scratch.from,
+                            {{.vector = scratch.source}},
+                            now.state,
+                            scratch.normal,
+                            now.lambda,
+                            of_law ? std::span<const double>(scratch.law) : std::span<const double>(),
+                            projected ? &data : nullptr},
+                           frame.contact, scratch.work);
+  rates_.add_branch_source(j, now.state);
 }
 
 } // namespace signorini::trajectory

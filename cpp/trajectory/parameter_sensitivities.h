@@ -6,8 +6,8 @@
 namespace signorini::trajectory {
 
 /// Derivatives of a motion by the unknowns of a scene, on the motion's active sets (docs/method.md section
-/// 9). Each step of the motion is followed by one linearised step for each unknown. All members are
-/// collective.
+/// 9). Each step of the motion is followed by one linearised step for each unknown; a direct solver on one
+/// rank reads its factor once for all of them. All members are collective.
 class ParameterSensitivities {
 public:
   /// Creates zero derivatives by the unknowns of `rates`. The references must outlive this object.
@@ -31,14 +31,22 @@ private:
     step::State state;
     std::vector<double> lambda;
   };
+  /// Scratch of a linearised step.
+  struct Scratch {
+    explicit Scratch(const step::Stepper& stepper);
+    step::Stepper::Workspace work;
+    step::State from;
+    petsc::Vector source, force;
+    std::vector<double> normal, law, predictor_normal, zeta;
+  };
+  /// Makes the linearised step for unknown j.
+  void step(const Frame& frame, std::size_t j, Scratch& scratch);
 
   const step::Stepper& stepper_;
   step::ParameterRates& rates_;
-  step::Stepper::Workspace work_;
-  step::State from_;
-  petsc::Vector source_, force_;
-  std::vector<double> normal_, law_, predictor_normal_, zeta_;
   std::vector<Derivative> motions_;
+  std::vector<Scratch> scratch_; ///< one for each unknown if steps are made together, else one
+  Lockstep lockstep_;
 };
 
 } // namespace signorini::trajectory

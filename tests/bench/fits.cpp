@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seconds of a gradient by a scene's unknowns over those of one by a control alone, on the same motion: a
-// forward run whose states are kept, and the backward sweep. Factors are made before.
+// forward run whose states are kept, and the backward sweep; and those of a forward run with the derivatives
+// of the motion by all unknowns, as in a Gauss-Newton step, over those of a forward run. Factors are made
+// before.
 //
 // usage: signorini-bench-fits SCENE REPEATS [key.path=value …]    prints one JSON object
 #include "adjoint/sweep.h"
 #include "bench.h"
 #include "control/measurements.h"
+#include "trajectory/parameter_sensitivities.h"
 
 using namespace signorini;
 
@@ -44,7 +47,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
                                      std::vector(scene.measurements.size(), times));
   step::Stepper::Workspace work = problem.stepper.workspace();
   const double infinity = std::numeric_limits<double>::infinity();
-  double control_alone = infinity, unknowns = infinity;
+  double control_alone = infinity, unknowns = infinity, forward = infinity, jacobian = infinity;
   int touching = 0;
   std::vector<double> gradient;
   Watch watch;
@@ -63,6 +66,15 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     gradient =
         adjoint::sweep(problem.stepper, work, motion, {problem.space, measurements}, measurements, rates);
     unknowns = std::min(unknowns, watch.lap());
+    watch.lap();
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, given.load(),
+                          [](const trajectory::Frame&) {});
+    forward = std::min(forward, watch.lap());
+    trajectory::ParameterSensitivities sensitivities(problem.stepper, rates);
+    watch.lap();
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, given.load(),
+                          [&](const trajectory::Frame& frame) { sensitivities.observe(frame); });
+    jacobian = std::min(jacobian, watch.lap());
     touching = static_cast<int>(
         std::ranges::count_if(motion.contact(), [](const auto& sets) { return !sets.active.empty(); }));
   }
@@ -70,8 +82,13 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
           {"steps", steps},
           {"contact_steps", touching},
           {"parameters", gradient.size()},
-          {"seconds", {{"control_alone", control_alone}, {"parameters", unknowns}}},
-          {"ratio", unknowns / control_alone}};
+          {"seconds",
+           {{"control_alone", control_alone},
+            {"parameters", unknowns},
+            {"forward", forward},
+            {"jacobian", jacobian}}},
+          {"ratio", unknowns / control_alone},
+          {"jacobian_ratio", jacobian / forward}};
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A gradient by eight unknowns of a fit over one by a control alone: a forward run and a backward sweep, factors made before.
+"""A gradient by eight unknowns of a fit over one by a control alone: a forward run and a backward sweep, factors made before. And a
+forward run with the derivatives of the motion by all unknowns, as a Gauss-Newton step makes it, over a forward run.
 
 usage: ./dev bench fits [--sizes H …] [--repeats N] [--json FILE]
 
@@ -57,7 +58,8 @@ def main() -> None:
             rows.append(row)
             seconds = row["seconds"]
             print(f"{row['free_unknowns']:8d} unknowns of the motion: control alone {1e3 * seconds['control_alone'] / row['steps']:.3f} ms a step, "
-                  f"{row['parameters']} parameters {1e3 * seconds['parameters'] / row['steps']:.3f} ms: {row['ratio']:.2f} times", flush=True)  # fmt: skip
+                  f"{row['parameters']} parameters {1e3 * seconds['parameters'] / row['steps']:.3f} ms: {row['ratio']:.2f} times;"
+                  f" a motion with its derivatives by all of them {row['jacobian_ratio']:.2f} times a motion", flush=True)  # fmt: skip
     program.write(given.json, rows)
 
 
