@@ -20,6 +20,7 @@ public:
     std::size_t stride;
     [[nodiscard]] double& operator[](std::size_t i) const { return first[i * stride]; }
   };
+  [[nodiscard]] std::size_t bytes() const { return values_.capacity() * sizeof(double); }
   /// Returns right-hand side number i.
   [[nodiscard]] Column column(std::size_t i) const;
 

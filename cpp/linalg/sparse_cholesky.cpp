@@ -391,7 +391,7 @@ void SparseCholesky::solve(Vec b, Vec x) const {
 double SparseCholesky::bytes() const {
   return static_cast<double>(c_->common.memory_inuse +
                              (c_->b.size() + c_->z.size() + c_->x.size()) * sizeof(double) +
-                             (c_->solves ? c_->solves->bytes() : 0));
+                             (c_->solves ? c_->solves->bytes() : 0) + c_->together.bytes());
 }
 
 } // namespace signorini

@@ -5,6 +5,25 @@
 namespace signorini::trajectory {
 using petsc::check;
 
+namespace {
+
+/// Scope in which the solves of steps of one length are made together.
+class United {
+public:
+  United(const step::Stepper& stepper, double tau, Lockstep& lockstep) : stepper_(stepper), tau_(tau) {
+    (void)stepper.unite(tau, &lockstep);
+  }
+  ~United() { (void)stepper_.unite(tau_, nullptr); }
+  United(const United&) = delete;
+  United& operator=(const United&) = delete;
+
+private:
+  const step::Stepper& stepper_;
+  double tau_;
+};
+
+} // namespace
+
 ParameterSensitivities::Scratch::Scratch(const step::Stepper& stepper)
     : work(stepper.workspace()), from(stepper.state()), source(stepper.space().vector()),
       force(stepper.space().vector()), normal(stepper.rows()), law(normal.size()),
@@ -40,10 +59,8 @@ void ParameterSensitivities::observe(const Frame& frame) {
   std::vector<std::function<void()>> steps;
   for (std::size_t j = 0; j < motions_.size(); ++j)
     steps.emplace_back([this, &frame, j] { step(frame, j, scratch_[j]); });
-  const double tau = frame.step.scheme().tau;
-  (void)stepper_.unite(tau, &lockstep_);
+  const United united(stepper_, frame.step.scheme().tau, lockstep_);
   lockstep_.run(steps);
-  (void)stepper_.unite(tau, nullptr);
 }
 
 void ParameterSensitivities::step(const Frame& frame, std::size_t j, Scratch& scratch) {
