@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rules that depend on the dimension of the mesh.
-#include "scene/rules.h"
 #include "base/error.h"
 #include "base/overloads.h"
 #include "base/text.h"
 #include "scene/expression.h"
+#include "scene/rules.h"
 #include <algorithm>
 #include <fmt/format.h>
 
