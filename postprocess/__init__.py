@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pages, figures and films of the results of a run or a study in its folder::
+"""Pages, figures and films of the results of a run, a study or a batch in its folder::
 
     from signorini.post import report
     from signorini.post.run_folder import RunFolder

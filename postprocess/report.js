@@ -30,8 +30,9 @@ function sample(trace) {
     diamond: '<path d="M14 2l6 6-6 6-6-6z"', "triangle-up": '<path d="M14 2l6 11H8z"',
     x: '<path d="M9 3l10 10M19 3L9 13" stroke-width="3"', cross: '<path d="M14 2v12M8 8h12" stroke-width="3"',
   };
-  const { color, symbol, dash } = trace.mode === "markers" ? trace.marker : trace.line;
-  const mark = trace.mode === "markers" ? shapes[symbol || "circle"]
+  const filled = trace.mode === "markers" || trace.type === "bar";
+  const { color, symbol, dash } = filled ? trace.marker : trace.line;
+  const mark = filled ? shapes[trace.type === "bar" ? "square" : symbol || "circle"]
     : `<path d="M0 8h28" stroke-width="2.5" stroke-dasharray="${dashes[dash] || ""}"`;
   return `<svg width="28" height="16" aria-hidden="true">${mark} fill="${color}" stroke="${color}"/></svg>`;
 }
@@ -75,6 +76,7 @@ async function start() {
   const page = JSON.parse(await unpacked("data"));
   if (page.motions.length) showMotion(page.motions);
   for (const [name, views] of Object.entries(page.charts)) showChart(name, views);
+  if (page.batch) showBatch(page.batch);
   document.documentElement.dataset.ready = "";
 }
 

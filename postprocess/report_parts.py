@@ -39,6 +39,21 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Shaded:
+    """Cell of a table with a background by a value between -1 (vermilion) and 1 (blue)."""
+
+    text: str
+    value: float
+
+    def __str__(self) -> str:
+        return self.text
+
+    @property
+    def colour(self) -> str:
+        return f"rgba({'0, 114, 178' if self.value > 0 else '213, 94, 0'}, {0.5 * min(abs(self.value), 1):.2f})"
+
+
+@dataclass(frozen=True)
 class Section:
     """Part of the page under a heading."""
 
@@ -50,12 +65,14 @@ class Section:
     motions: list[dict] = field(default_factory=list)
     names: list[str] = field(default_factory=list)  # names of the motions, where there are several
     file: tuple[str, str] | None = None  # name and content, folded
+    panel: str = ""  # part of a batch that the page's script draws: scatter, parallel or cases
+    always: bool = False  # shown even with texts alone
 
 
 @dataclass(frozen=True)
 class Page:
-    """Content of a page. `identity`: the run or study that it shows; `facts`: names and values; `left_out`: names of the parts
-    without data."""
+    """Content of a page. `identity`: the run, study or batch that it shows; `facts`: names and values; `left_out`: names of the parts
+    without data; `batch`: data of a batch's panels."""
 
     title: str
     kind: str
@@ -63,10 +80,11 @@ class Page:
     facts: list[tuple[str, str]]
     sections: list[Section]
     left_out: list[str]
+    batch: dict | None = None
 
     def shown(self) -> list[Section]:
         """Returns the sections of the page that are not empty."""
-        return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file]
+        return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file or s.panel or s.always]
 
     def revolved(self) -> bool:
         """Whether the page shows a body of revolution."""
@@ -76,7 +94,7 @@ class Page:
         """Returns the data of the page's script."""
         motions = next((section.motions for section in self.sections if section.motions), [])
         charts = {chart.name: chart.views for section in self.sections for chart in section.charts}
-        return {"charts": charts, "motions": motions}
+        return {"charts": charts, "motions": motions} | ({"batch": self.batch} if self.batch else {})
 
 
 class Gathering:

@@ -174,7 +174,7 @@ def refused(folder: Path, *expected: str) -> None:
 
 
 def test_empty_folder(tmp_path: Path) -> None:
-    refused(tmp_path, "not the folder of a run or a study")
+    refused(tmp_path, "not the folder of a run, a study or a batch")
 
 
 def test_no_such_folder(tmp_path: Path) -> None:
