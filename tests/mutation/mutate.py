@@ -48,7 +48,7 @@ OUTPUTS = {
     **dict.fromkeys(("problem", "drivers", "accuracy", "app"), [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fit-linear",
             r"python\.(runs|fits)", r"regression\.(resume$|study|keys\.|bad-input|coarse-start$|accuracy$)",
             r"verification\.fit-(derivatives|recovery|with-control)"]),  # fmt: skip
-    "postprocess": [r"regression\.(geometry$|values)", r"regression\.(postprocess|watch|command-line)$", r"verification\.fit-linear", r"python\.runs",
+    "postprocess": [r"regression\.(geometry$|values)", r"regression\.(postprocess|report-batch|watch|command-line)$", r"verification\.fit-linear", r"python\.runs",
                     r"regression\.(figures|pages|report|accuracy)$"],
     "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers)"],
 }  # fmt: skip
