@@ -44,7 +44,7 @@ Launcher find_launcher(const char* verb) {
 const std::vector<ScriptVerb>& script_verbs() {
   static const std::vector<ScriptVerb> verbs{
       {"report",
-       "write a page with all results of a run or a study, or of two runs side by side",
+       "write a page with all results of a run, a study or a batch, or of two runs side by side",
        {"--threads", "--quiet"}},
       {"figures", "draw all figures of a run", {"--time", "--threads", "--quiet"}},
       {"plot",
