@@ -181,11 +181,11 @@ def influences(keys: list[Axis], rated: list[Rated]) -> Chart:
             bars.append(bar("standardised regression coefficient", names, one.coefficients[order], style.ORANGE))
             fit = f", linear fit R² = {one.explained:.2f}"
         largest = np.nanmax(np.abs([one.ranks[order], one.coefficients[order]]))
-        title, end = f"influence on {html.escape(axis.title, quote=False)} ({whole(one.cases)} cases{fit})", 1.05 * max(1, largest)
+        title, end = f"{whole(one.cases)} cases{fit}", 1.05 * max(1, largest)
         across = {"range": [-end, end], "zeroline": True, "zerolinecolor": "#98a2ab"}
         view = figure(bars, title, "", xaxis=across, yaxis={"type": "category", "autorange": "reversed", "ticks": ""})
         views[axis.name if axis.title in views else axis.title] = view
-    return Chart("influence", "Influence of the keys", views,
+    return Chart("influence", "Influence of the keys" + (f" on {rated[0][0].title}" if len(rated) == 1 else ""), views,
                  "±1: the quantity depends on this key alone, rising (+) or falling (−) throughout. Rank correlations need no linear "
                  "dependence; coefficients separate keys that vary together.")  # fmt: skip
 

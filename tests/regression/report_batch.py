@@ -102,7 +102,8 @@ def test_chart(linear: tuple[Path, np.ndarray, np.ndarray], made: Page) -> None:
     assert numbers(ranks["x"]) == pytest.approx(exact[[1, 0, 2]], rel=1e-5, abs=1e-6)
     x, y = standardised(keys), standardised(quantities[:, 0])
     assert numbers(coefficients["x"]) == pytest.approx(np.linalg.solve(x.T @ x, x.T @ y)[[1, 0, 2]], rel=1e-5, abs=1e-6)
-    assert "(59 cases, linear fit R² = 1.00)" in chart.views["impulse of contact"]["layout"]["xaxis"]["title"]["text"]
+    assert chart.views["impulse of contact"]["layout"]["xaxis"]["title"]["text"] == "59 cases, linear fit R² = 1.00"
+    assert chart.title == "Influence of the keys"
 
 
 def test_sentences(made: Page) -> None:
@@ -268,6 +269,7 @@ def test_constant_quantity(tmp_path: Path) -> None:
     assert section(page(folder), "sensitivities").texts[-1] == ("Quantities left out, since they have fewer than 3 values or do not vary: "
                                                                  "impulse of contact.")  # fmt: skip
     assert [axis["label"] for axis in page(folder).batch["axes"]] == ["a", "peak force (two-step mean) (N/m)"]
+    assert section(page(folder), "sensitivities").charts[0].title == "Influence of the keys on peak force (two-step mean)"
 
 
 def test_many_cases(tmp_path: Path) -> None:
