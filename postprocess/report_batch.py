@@ -38,7 +38,7 @@ def page(batch: BatchFolder) -> Page:
         return Page(str(given["scene"]), "batch", identity, facts(batch), sections, [], batch=data(batch, axes))
     except KeyError as error:
         raise Unreadable(f"{batch.path / 'batch.json'}: there is no entry {error.args[0]}") from None
-    except (TypeError, AttributeError) as error:
+    except (TypeError, AttributeError, ValueError) as error:
         raise Unreadable(f"{batch.path / 'batch.json'}: does not have the form that a batch writes ({error})") from None
 
 

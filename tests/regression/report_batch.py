@@ -325,6 +325,7 @@ DAMAGE = {
     "no keys": ("batch.json", without("keys"), "batch.json: there is no entry keys"),
     "no unit": ("batch.json", lambda text: text.replace('"unit"', '"units"'), "batch.json: there is no entry unit"),
     "form": ("batch.json", changed("quantities", ["impulse", "peak_force"]), "does not have the form that a batch writes"),
+    "seconds": ("batch.json", changed("seconds", "long"), "does not have the form that a batch writes"),
     "versions": ("batch.json", changed("versions", 3), "does not have the form that a batch writes"),
 }
 
