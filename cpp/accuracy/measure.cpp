@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/measure.h"
 #include "accuracy/error_estimate.h"
+#include "accuracy/motion_quantities.h"
 #include "accuracy/quantities.h"
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/machine.h"
-#include "contact/pressure.h"
-#include "diagnostics/balance.h"
-#include "diagnostics/contact_forces.h"
-#include "diagnostics/largest_stress.h"
-#include "diagnostics/warnings.h"
 #include "drivers/check/evaluation_point.h"
 #include "trajectory/step_control.h"
 #include <algorithm>
@@ -22,147 +18,6 @@ namespace signorini::accuracy {
 using petsc::check;
 
 namespace {
-
-bool has(const std::vector<Quantity>& wanted, const std::string& name) {
-  return std::ranges::any_of(wanted, [&](const Quantity& quantity) { return quantity.name == name; });
-}
-
-/// Samples a field at the sample points and times, in ascending order of time.
-class Series {
-public:
-  Series(const SamplePoints& samples, const fem::Space& space)
-      : samples_(samples), sampler_(space, samples.body.points), here_(space.vector()) {
-    values_.reserve(samples.times.size() * samples.body.weights.size() *
-                    static_cast<std::size_t>(space.dim()));
-  }
-
-  /// Takes the samples at all times up to t1 (s) that have not been taken; all remaining ones if `last`.
-  /// `at(t, out)` evaluates the field at time t, up to t1.
-  template <class At>
-  void take_until(double t1, bool last, At&& at) {
-    const double reach = last ? std::numeric_limits<double>::infinity() : t1;
-    while (next_ < samples_.times.size() && samples_.times[next_] <= reach) {
-      at(std::min(samples_.times[next_], t1), here_);
-      const std::vector<double> values = sampler_(here_);
-      values_.insert(values_.end(), values.begin(), values.end());
-      ++next_;
-    }
-  }
-
-  std::vector<double> take() {
-    samples_.scale(values_);
-    return std::move(values_);
-  }
-
-private:
-  const SamplePoints& samples_;
-  fem::Sampler sampler_;
-  petsc::Vector here_;
-  std::size_t next_ = 0;
-  std::vector<double> values_;
-};
-
-/// Measures the requested quantities of a motion frame by frame.
-class Watch {
-public:
-  Watch(const problem::Problem& problem, const SamplePoints& samples, const std::vector<Quantity>& wanted)
-      : problem_(problem), wanted_(wanted), weigh_(problem.stepper),
-        warnings_(problem.stepper, problem.scene, problem.scene_loads()), contact_(problem.stepper) {
-    if (has(wanted, "displacement"))
-      displacement_.emplace(samples, problem.space);
-    if (has(wanted, "pressure"))
-      pressure_.emplace(problem.space, *problem.stepper.pairs(), problem.scene.contacts);
-    if (has(wanted, of_stress)) {
-      const std::vector<fem::Part> parts = fem::parts(problem.mesh, problem.scene.materials);
-      fields_.emplace(problem.space, parts);
-      stress_.emplace(problem.space, parts);
-    }
-  }
-
-  void operator()(const trajectory::Frame& frame) {
-    warnings_.observe(frame);
-    const diagnostics::StepBalance balance = weigh_(frame);
-    const double tau = frame.step.tau, t = frame.step.end;
-    energy_ = std::max(energy_, balance.energy());
-    contact_loss_ -= balance.contact_work - balance.friction_work - balance.belt_work;
-    contact_(frame);
-    if (displacement_)
-      displacement_->take_until(t, frame.last, [&](double at, Vec y) {
-        // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
-        const double s = frame.step.k == 0 ? 1 : 1 + (at - t) / tau;
-        check(VecCopy(frame.after.y(), y));
-        if (frame.step.k > 0 && s < 1) {
-          check(VecAXPBY(y, 1 - s, s, frame.before->y()));
-          check(VecAXPY(y, -tau / 2 * s * (1 - s), frame.after.v()));
-          check(VecAXPY(y, tau / 2 * s * (1 - s), frame.before->v()));
-        }
-      });
-    if (stress_) {
-      fields_->set(frame.after.y(), frame.after.v(), frame.after.q());
-      stress_->observe(*fields_, frame.after, t);
-    }
-    if (pressure_ && frame.step.k > 0) {
-      constexpr std::size_t kept = 2;
-      if (last_forces_.size() == kept)
-        last_forces_.erase(last_forces_.begin());
-      const std::span<const double> lambda = frame.contact.normal_lambda();
-      last_forces_.emplace_back(lambda.begin(), lambda.end());
-    }
-  }
-
-  void report(Measured& measured) {
-    if (displacement_)
-      measured.fields["displacement"] = displacement_->take();
-    std::map<std::string, double> numbers = contact_.numbers(problem_.scene.time.end);
-    numbers["energy_loss"] = energy_ > 0 ? contact_loss_ / energy_ : 0;
-    for (const auto& [name, value] : numbers)
-      if (has(wanted_, name))
-        measured.numbers[name] = value;
-    if (pressure_)
-      measured.numbers["pressure"] = pressure_error();
-    measured.warnings = warnings_.warnings();
-    if (stress_) {
-      measured.numbers[of_stress] = stress_->peak()->stress.largest.value;
-      std::ranges::move(stress_->warnings(), std::back_inserter(measured.warnings));
-    }
-  }
-
-private:
-  /// Relative error of the contact pressure in L2 of the contact surface. The pressure is the mean of the
-  /// last two steps, since the forces of single steps alternate.
-  [[nodiscard]] double pressure_error() const {
-    const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
-    const std::vector<double>& points = problem_.stepper.pairs()->points();
-    std::vector<double> mean(points.size() / 3, 0.0);
-    for (const std::vector<double>& force : last_forces_)
-      for (std::size_t i = 0; i < mean.size(); ++i)
-        mean[i] += force[i] / static_cast<double>(last_forces_.size());
-    const std::vector<double> found = (*pressure_)(mean, problem_.grid.scheme(problem_.steps()).impulse());
-    double error = 0, size = 0;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const double area = pressure_->area()[i];
-      if (area <= 0)
-        continue;
-      double p = 0;
-      exact.evaluate(&points[3 * i], 0, &p);
-      error += area * (found[i] - p) * (found[i] - p);
-      size += area * p * p;
-    }
-    return std::sqrt(error / size);
-  }
-
-  const problem::Problem& problem_;
-  const std::vector<Quantity>& wanted_;
-  diagnostics::Balance weigh_;
-  diagnostics::StepWarnings warnings_;
-  diagnostics::ContactFigures contact_;
-  std::optional<Series> displacement_;
-  std::optional<contact::Pressure> pressure_;
-  std::optional<fem::CellFields> fields_;
-  std::optional<diagnostics::LargestStress> stress_;
-  std::vector<std::vector<double>> last_forces_;
-  double energy_ = 0, contact_loss_ = 0;
-};
 
 /// Total seconds of the phases that every run needs, such as meshing, factorisation and sweeps.
 double seconds(const Timers& timers) {
@@ -176,7 +31,7 @@ double seconds(const Timers& timers) {
 
 std::vector<double> sampled(const problem::Problem& problem, const SamplePoints& samples,
                             const control::ControlSpace& controls, const control::Control& g) {
-  Series series(samples, problem.space);
+  SampledField series(samples, problem.space);
   std::vector<double> mean(controls.size());
   const int n = g.count();
   const auto middle = [&](int j) { return controls.begin(j) + controls.length(j) / 2; };
@@ -275,7 +130,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const SamplePoints& s
   Timers timers;
   problem::Problem problem(comm, scene, problem::study_needs(scene), timers);
   measured.unknowns = problem.free_dofs();
-  Watch watch(problem, samples, wanted);
+  MotionQuantities watch(problem, wanted, &samples);
   const auto peak = [&] {
     double memory = std::max(0.0, peak_memory() - before);
     MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_DOUBLE, MPI_SUM, comm);

@@ -60,6 +60,10 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
   return all;
 }
 
+bool has(const std::vector<Quantity>& quantities, const std::string& name) {
+  return std::ranges::find(quantities, name, &Quantity::name) != quantities.end();
+}
+
 bool Quantity::affected_by(const Warning& warning) const {
   if (warning.name == diagnostics::stress_of_the_mesh)
     return name == of_stress;

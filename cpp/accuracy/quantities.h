@@ -67,6 +67,9 @@ struct Exact {
 
 constexpr const char* of_stress = "largest_von_mises"; ///< name of the largest von Mises stress
 
+/// Whether quantities include the one with this name.
+bool has(const std::vector<Quantity>& quantities, const std::string& name);
+
 /// All quantities that can be compared for a scene. Every scene has the displacement and the largest von
 /// Mises stress. A scene with an objective also has J and, if control values are nodal, the gradient. A scene
 /// with contact also has the impulse, forces and times of contact, energy_loss if all obstacles are at rest,

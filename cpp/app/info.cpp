@@ -125,7 +125,7 @@ Costs costs(const problem::Problem& problem) {
   costs["point force"].step = "its values";
   if (stepper.moving_clamps())
     costs["moving clamp"] = {"D without clamps",
-                             petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};
+                             petsc::bytes(stepper.of_length(stepper.first_length()).whole_D()), "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
     if (stepper.frictional())
       costs["friction"] = {fmt::format("{} tangents", pairs->rows().count() - pairs->count()), 0,
@@ -273,7 +273,7 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
   console.line(fmt::format("memory for the whole run: matrices M {}, A {}, R {}, {} {}. Each step takes one "
                            "solve with D and products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
-                           megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R)),
+                           megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R())),
                            stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
                            megabytes(stepper.solver().memory().factor)));
   console.line(

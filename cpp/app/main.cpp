@@ -37,6 +37,7 @@ constexpr Verb verbs[] = {
     {"simulate", "forward run only"},
     {"optimize", "search for an optimal control, or fit unknown parameters"},
     {"check", "verify derivatives and discrete invariants of a scene"},
+    {"batch", "simulate the cases of a table, many on one factorisation, and tabulate their results"},
     {"study", "compare errors and run times over a ladder of sizes, steps, degrees and schemes"},
     {"info", "list the model's effects (such as viscosity) with their costs, and the run's size and memory; "
              "--time N estimates its time from N steps"},
@@ -117,6 +118,42 @@ void add_study_options(CLI::App& app, Request& request) {
       ->excludes("--search-tolerances");
 }
 
+/// Sets `shard` from a text i/n with 1 ≤ i ≤ n. Returns an error message; empty if the text is valid.
+std::string to_shard(const std::string& text, std::optional<signorini::batch::Shard>& shard) {
+  int index = 0, count = 0;
+  const char *begin = text.data(), *end = begin + text.size();
+  const auto [slash, first] = std::from_chars(begin, end, index);
+  const bool divided = first == std::errc() && slash != end && *slash == '/';
+  const auto [rest, second] =
+      divided ? std::from_chars(slash + 1, end, count) : std::from_chars_result{begin, first};
+  if (!divided || second != std::errc() || rest != end || index < 1 || count < index)
+    return fmt::format("found {}; expected i/n with 1 <= i <= n, such as 2/8", text);
+  shard = {index, count};
+  return {};
+}
+
+void add_batch_options(CLI::App& app, Request& request) {
+  app.add_option("--cases", request.batch.cases,
+                 "table of the cases (CSV): a row for each, a column for each key that changes, such as "
+                 "material.young; a column `name` is optional")
+      ->required();
+  app.add_option("--quantity", request.study.quantities,
+                 "numbers to tabulate, such as J,impulse,peak_force (default: all but energy_loss and the "
+                 "stress)")
+      ->delimiter(',')
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--resume", request.resume, "keep the outcomes in the folder and its shards");
+  app.add_option_function<std::string>(
+         "--shard", [](const std::string&) {},
+         "compute part i of n of the cases, as i/n, in a folder of its own")
+      ->check(CLI::Validator([&request](std::string& text) { return to_shard(text, request.batch.shard); },
+                             "i/n"));
+  app.add_option("--together", request.batch.together,
+                 "largest number of motions whose solves are made together (default 16)")
+      ->check(CLI::Range(1, 1024));
+}
+
 /// Adds the option --accuracy and the options that need it; returns --accuracy.
 CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::string& quantity) {
   CLI::Option* const accuracy = app.add_option("--accuracy", request.accuracy,
@@ -195,6 +232,8 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     if (name == "study")
       add_study_options(*sub, request);
+    if (name == "batch")
+      add_batch_options(*sub, request);
   }
   // For --help and completion only: their scripts read the command line.
   for (const signorini::app::ScriptVerb& verb : signorini::app::script_verbs()) {

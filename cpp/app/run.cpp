@@ -31,8 +31,8 @@ int check(const scene::Scene& scene, const Console& console) {
 /// Default output folder of a run; if the scene is the echo of an earlier run, the folder of that run.
 std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
                                    const std::filesystem::path& run_folder) {
-  if (verb == "study")
-    return (run_folder.empty() ? "results" : run_folder.parent_path()) / (name + "-study");
+  if (verb == "study" || verb == "batch")
+    return (run_folder.empty() ? "results" : run_folder.parent_path()) / (name + "-" + verb);
   return run_folder.empty() ? std::filesystem::path("results") / name : run_folder;
 }
 
@@ -126,6 +126,16 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
   if (request.verb == "study")
     return request.suggest ? accuracy::suggest(world(), scene, *request.suggest, request.study, console)
                            : accuracy::run_study(world(), scene, out, request.study, console);
+  if (request.verb == "batch") {
+    batch::Options options = request.batch;
+    options.resume = request.resume;
+    options.quantities = request.study.quantities;
+    const auto read = [&](std::vector<std::string> changes) {
+      changes.insert(changes.begin(), request.overrides.begin(), request.overrides.end());
+      return read_scene(world(), request.scene, changes).scene;
+    };
+    return batch::run_batch(world(), scene, read, out, options, console);
+  }
   Timers timers;
   problem::Problem problem(world(), scene, problem::study_needs(scene), timers);
   print_info(problem, request.timed_steps, console);

@@ -2,6 +2,7 @@
 #pragma once
 #include "accuracy/study.h"
 #include "base/progress.h"
+#include "batch/batch.h"
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,7 +13,7 @@ struct SceneFile;
 
 /// A run that the command line requests.
 struct Request {
-  std::string verb;                   ///< simulate, optimize, check, study or info
+  std::string verb;                   ///< simulate, optimize, check, study, batch or info
   std::filesystem::path scene;        ///< scene file
   std::filesystem::path out;          ///< output folder; empty: results/<scene name>
   std::vector<std::string> overrides; ///< arguments `key.path=value` of --set
@@ -23,6 +24,7 @@ struct Request {
   int timed_steps = 0;        ///< number of steps that info computes and times
   std::optional<int> threads; ///< threads of each rank; absent: use_threads() chooses
   accuracy::Options study;
+  batch::Options batch;
   std::optional<double> suggest;  ///< relative error for which study proposes size and step
   std::optional<double> accuracy; ///< relative error that simulate and optimize must meet
 };

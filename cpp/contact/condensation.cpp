@@ -70,22 +70,22 @@ TrailingBlockCondensation::TrailingBlockCondensation(const ConstraintRows& rows,
 
 HalfSolve TrailingBlockCondensation::half_solve() const {
   HalfSolve made;
-  made.z.resize(D_.size());
+  made.z = D_.storage();
   made.trailing_block.resize(static_cast<std::size_t>(D_.trailing_size()));
   return made;
 }
 
 void TrailingBlockCondensation::predict(Vec r, const Guess&, HalfSolve& half_solve,
                                         std::span<double> motion) const {
-  std::vector<double>&z = half_solve.z, &trailing_block = half_solve.trailing_block;
-  D_.forward(r, z);
-  std::copy(z.end() - static_cast<std::ptrdiff_t>(trailing_block.size()), z.end(), trailing_block.begin());
+  std::vector<double>& trailing_block = half_solve.trailing_block;
+  D_.forward(r, half_solve.z);
+  std::ranges::copy(half_solve.z.trailing_block(), trailing_block.begin());
   triangular(L_, "T", trailing_block);
   rows_.apply_transpose(trailing_block, motion);
 }
 
 void TrailingBlockCondensation::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
-  const std::vector<double>& z = half_solve.z;
+  const SparseCholesky::Forward& z = half_solve.z;
   if (std::ranges::all_of(lambda, [](double force) { return force == 0; })) {
     D_.backward(z, {}, y);
     return;
@@ -93,9 +93,8 @@ void TrailingBlockCondensation::finish(HalfSolve& half_solve, std::span<const do
   std::vector<double>& trailing_block = half_solve.trailing_block;
   rows_.apply(lambda, trailing_block);
   triangular(L_, "N", trailing_block);
-  const std::size_t before = z.size() - trailing_block.size();
   for (std::size_t i = 0; i < trailing_block.size(); ++i)
-    trailing_block[i] = z[before + i] - trailing_block[i];
+    trailing_block[i] = z.trailing_block()[i] - trailing_block[i];
   D_.backward(z, trailing_block, y);
 }
 

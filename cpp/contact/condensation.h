@@ -11,7 +11,7 @@ namespace signorini::contact {
 /// second half, finish(), may continue from it any number of times. Which vectors are allocated depends on
 /// the type of the condensation.
 struct HalfSolve {
-  std::vector<double> z;         ///< SparseCholesky::forward() of r; used by TrailingBlockCondensation only
+  SparseCholesky::Forward z;     ///< forward solution for r; used by TrailingBlockCondensation only
   petsc::Vector r, y;            ///< r and D⁻¹(r − Hρ); not used by TrailingBlockCondensation
   std::vector<double> reference; ///< multipliers ρ with which y was computed; zero except in ColumnsOnDemand
   // Scratch of both halves.

@@ -112,6 +112,12 @@ void ConstraintRows::find_clusters() {
   across_ranks_ = on_ranks < static_cast<int>(clusters_.size()) || (share() && ranks(comm_) > 1);
 }
 
+bool ConstraintRows::equals(const ConstraintRows& other) const {
+  return row_begin_ == other.row_begin_ && others_ == other.others_ && laws_ == other.laws_ &&
+         dofs_ == other.dofs_ && columns_ == other.columns_ && motions_ == other.motions_ &&
+         forces_ == other.forces_ && lifts_ == other.lifts_;
+}
+
 ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
   ConstraintRows other = *this;
   for (std::size_t i = 0; i < coefficients.size(); ++i)

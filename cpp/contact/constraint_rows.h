@@ -74,6 +74,9 @@ public:
   [[nodiscard]] bool dependent() const { return dependent_; }
   /// Whether any constrained dof is clamped.
   [[nodiscard]] bool clamped() const { return any_clamped_; }
+  /// Whether `other` has the same dofs, coefficients and laws, to the last bit. Not collective; the same on
+  /// every rank.
+  [[nodiscard]] bool equals(const ConstraintRows& other) const;
   /// Returns rows with the same dofs and laws but with other coefficients, one for each entry, row by row.
   [[nodiscard]] ConstraintRows with(std::vector<double> coefficients) const;
 

@@ -111,8 +111,51 @@ SIGNORINI_INLINE void subtract_transposed(const FactorBlock& B, const double* fr
     subtract_columns<V, 1>(B.values + j * B.stride, B, from, row, own + j * V * 8);
 }
 
+/// Adds the product with one row of a matrix to `sum`.
+template <int V, int size>
+SIGNORINI_INLINE void add_row(const BlockRows& A, int row, const double* x, Lanes (&sum)[size][V]) {
+  for (int e = A.begin[row]; e < A.begin[row + 1]; ++e) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(A.column[e]) * size;
+    if (A.numbers == 1) {
+      for (int c = 0; c < size; ++c)
+        for (int v = 0; v < V; ++v)
+          sum[c][v] += A.values[e] * at<V>(x, first + c)[v];
+      continue;
+    }
+    const double* const block = A.values + static_cast<std::ptrdiff_t>(e) * size * size;
+    for (int c = 0; c < size; ++c)
+      for (int r = 0; r < size; ++r)
+        for (int v = 0; v < V; ++v)
+          sum[r][v] += block[r * size + c] * at<V>(x, first + c)[v];
+  }
+}
+
+template <int V, int size>
+SIGNORINI_INLINE void multiply(const BlockRows& R, const BlockRows& M, int first, int end, const double* x,
+                               const double* w, double* r) {
+  for (int row = first; row < end; ++row) {
+    Lanes sum[size][V] = {};
+    add_row<V, size>(M, row, w, sum);
+    add_row<V, size>(R, row, x, sum);
+    for (int c = 0; c < size; ++c)
+      for (int v = 0; v < V; ++v)
+        at<V>(r, static_cast<std::ptrdiff_t>(row) * size + c)[v] = sum[c][v];
+  }
+}
+
+template <int V>
+SIGNORINI_INLINE void multiply(const BlockRows& R, const BlockRows& M, int size, int first, int end,
+                               const double* x, const double* w, double* r) {
+  size == 2 ? multiply<V, 2>(R, M, first, end, x, w, r) : multiply<V, 3>(R, M, first, end, x, w, r);
+}
+
 } // namespace
 
+SIGNORINI_WIDEST void multiply_lanes(const BlockRows& R, const BlockRows& M, int size, int first, int end,
+                                     std::ptrdiff_t lanes, const double* x, const double* w, double* r) {
+  lanes == narrow_lanes ? multiply<1>(R, M, size, first, end, x, w, r)
+                        : multiply<2>(R, M, size, first, end, x, w, r);
+}
 SIGNORINI_WIDEST void solve_lanes(const FactorBlock& T, std::ptrdiff_t lanes, double* own) {
   lanes == narrow_lanes ? solve<1>(T, own) : solve<2>(T, own);
 }

@@ -11,7 +11,7 @@ namespace signorini {
 namespace {
 
 /// Bytes of a task's stack; the system gives memory to the pages that are used.
-constexpr std::size_t stack_size = std::size_t{1} << 20;
+constexpr std::size_t stack_size = std::size_t{4} << 20;
 
 } // namespace
 
@@ -51,6 +51,7 @@ void Lockstep::wait(SharedSolve& solve) {
 }
 
 void Lockstep::run(const std::vector<std::function<void()>>& works) {
+  running_ = works.size();
   while (tasks_.size() < works.size())
     tasks_.push_back(std::make_unique<Task>());
   for (std::size_t i = 0; i < works.size(); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -29,6 +30,8 @@ public:
   /// Runs the tasks to their ends. Throws the exception of the first task, by number, that threw one.
   void run(const std::vector<std::function<void()>>& tasks);
 
+  /// Number of tasks of the run.
+  [[nodiscard]] std::size_t tasks() const { return running_; }
   /// Whether the caller is a task.
   [[nodiscard]] bool inside() const { return current_ != nullptr; }
   /// Called by a task: waits until the solve has been made.
@@ -41,6 +44,7 @@ private:
   void resume(Task& task);
 
   std::vector<std::unique_ptr<Task>> tasks_; ///< with their stacks, which later runs take again
+  std::size_t running_ = 0;
   Task* current_ = nullptr;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.h"
 #include "base/error.h"
-#include "linalg/side_by_side.h"
+#include "linalg/lane_solver.h"
 #include "linalg/supernodal.h"
 #include <algorithm>
 #include <array>
@@ -58,11 +58,13 @@ struct SparseCholesky::Cholmod {
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
   cholmod_dense *work_y = nullptr, *work_e = nullptr;
-  std::vector<double> z, x;               ///< scratch of solves (n)
+  Forward z;                              ///< scratch of solves
+  std::vector<double> x;                  ///< scratch of solves (n)
   std::vector<double> b;                  ///< right-hand side for a simplicial factor, else empty
   std::optional<TriangularSolves> solves; ///< present if the factor is supernodal
   Lockstep* lockstep = nullptr;           ///< whose tasks share solves
-  SideBySide together;                    ///< right-hand sides of its tasks
+  cholmod_factor* supernodal = nullptr;   ///< for these, if `factor` is simplicial
+  std::optional<LaneSolver> together;     ///< their solves
 
   Cholmod() {
     cholmod_start(&common);
@@ -73,7 +75,8 @@ struct SparseCholesky::Cholmod {
   ~Cholmod() {
     for (cholmod_dense** dense : {&work_y, &work_e})
       cholmod_free_dense(dense, &common);
-    cholmod_free_factor(&factor, &common);
+    for (cholmod_factor** one : {&factor, &supernodal})
+      cholmod_free_factor(one, &common);
     cholmod_free_sparse(&matrix, &common);
     cholmod_finish(&common);
   }
@@ -116,6 +119,27 @@ struct SparseCholesky::Cholmod {
     cholmod_dense from = dense(b), to = dense(solution), *to_there = &to;
     cholmod_solve2(system, factor, &from, nullptr, &to_there, nullptr, &work_y, &work_e, &common);
     require("a solve");
+  }
+
+  /// Sets up the solves that tasks share, on a supernodal factor.
+  void solve_together(std::size_t trailing) {
+    if (!factor->is_super) {
+      analyse(supernodal, static_cast<int*>(factor->Perm), CHOLMOD_SUPERNODAL);
+      cholmod_factorize(matrix, supernodal, &common);
+      require("the factorisation");
+    }
+    together.emplace(factor->is_super ? *factor : *supernodal, trailing);
+  }
+
+  /// Analyses the matrix for a factor in the given elimination order.
+  void analyse(cholmod_factor*& to, int* permutation, int format) {
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_GIVEN;
+    common.postorder = 0; // the analysis that found the order has postordered
+    // Solves are bound by memory bandwidth: keep narrow supernodes rather than merge them and pad with zeros.
+    std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
+    common.supernodal = format;
+    to = cholmod_analyze_p(matrix, permutation, nullptr, 0, &common);
   }
 
 private:
@@ -205,15 +229,9 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> trailing_block, 
       permutation.push_back(i * D.size + c);
   c_->matrix = c_->lower(permutation.size(), static_cast<std::size_t>(D.row[D.count]) * D.size * D.size,
                          false, [&](int* p, int* i, double* x) { fill_lower(D, p, i, x); });
-  cholmod_common& common = c_->common;
-  common.nmethods = 1;
-  common.method[0].ordering = CHOLMOD_GIVEN;
-  common.postorder = 0; // the analysis above has postordered
-  // Solves are bound by memory bandwidth: keep narrow supernodes rather than merge them and pad with zeros.
-  std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
-  common.supernodal = order_.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
-  c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
-  indexable_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
+  c_->analyse(c_->factor, permutation.data(),
+              order_.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL);
+  indexable_ = c_->common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
   if (indexable_)
     c_->require("the analysis");
 }
@@ -243,9 +261,9 @@ void SparseCholesky::factorise() {
                     entries_));
   cholmod_factorize(c_->matrix, c_->factor, &c_->common);
   c_->require("the factorisation");
-  cholmod_free_sparse(&c_->matrix, &c_->common);
+  if (c_->factor->is_super) // else kept for a supernodal factor
+    cholmod_free_sparse(&c_->matrix, &c_->common);
   const std::size_t n = c_->factor->n;
-  c_->z.resize(n);
   c_->x.resize(n);
   c_->b.resize(c_->factor->is_super ? 0 : n);
   if (c_->factor->is_super)
@@ -284,102 +302,62 @@ std::vector<double> SparseCholesky::trailing_factor() const {
 
 std::size_t SparseCholesky::size() const { return c_->factor->n; }
 
-/// z ← L⁻¹ P b or x ← Pᵀ L⁻ᵀ (z, trailing block).
-class SparseCholesky::Shared final : public SharedSolve {
-public:
-  Shared(const SparseCholesky& solver, bool forward, Vec vector, std::span<double> z,
-         std::span<const double> before, std::span<const double> trailing_block)
-      : vector(vector), z(z), before(before), trailing_block(trailing_block), solver_(solver),
-        forward_(forward) {}
-  void make(std::span<SharedSolve* const> all) override { solver_.make(all, forward_); }
-  [[nodiscard]] const void* kind() const override {
-    return reinterpret_cast<const char*>(solver_.c_.get()) + (forward_ ? 0 : 1);
-  }
-
-  Vec vector;
-  std::span<double> z;
-  std::span<const double> before, trailing_block;
-
-private:
-  const SparseCholesky& solver_;
-  bool forward_;
-};
+bool SparseCholesky::shared() const { return c_->lockstep && c_->lockstep->inside(); }
 
 void SparseCholesky::unite(Lockstep* lockstep) const {
-  if (c_->factor->is_super)
-    c_->lockstep = lockstep;
+  if (lockstep && !c_->together)
+    c_->solve_together(static_cast<std::size_t>(trailing_size_));
+  c_->lockstep = lockstep;
 }
 
-void SparseCholesky::make(std::span<SharedSolve* const> all, bool forward) const {
-  const auto* permutation = static_cast<const int*>(c_->factor->Perm);
-  const std::size_t n = size();
-  c_->together.resize(n, all.size());
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto& one = static_cast<const Shared&>(*all[k]);
-    const SideBySide::Column to = c_->together.column(k);
-    if (forward) {
-      const petsc::ReadArray b(one.vector);
-      for (std::size_t i = 0; i < n; ++i)
-        to[i] = b[permutation[i]];
-    } else {
-      const std::size_t before = n - one.trailing_block.size();
-      for (std::size_t i = 0; i < n; ++i)
-        to[i] = i < before ? one.before[i] : one.trailing_block[i - before];
-    }
-  }
-  forward ? c_->solves->forward(c_->together.groups()) : c_->solves->backward(c_->together.groups());
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto& one = static_cast<const Shared&>(*all[k]);
-    const SideBySide::Column from = c_->together.column(k);
-    if (forward) {
-      for (std::size_t i = 0; i < n; ++i)
-        one.z[i] = from[i];
-    } else {
-      const petsc::WriteArray x(one.vector);
-      for (std::size_t i = 0; i < n; ++i)
-        x[permutation[i]] = from[i];
-      count_solves();
-    }
-  }
+SparseCholesky::Forward SparseCholesky::storage() const {
+  Forward z;
+  z.z_.reserve(size()); // which takes no memory as long as z is kept with those of other tasks
+  z.trailing_.reserve(static_cast<std::size_t>(trailing_size_));
+  return z;
 }
 
-void SparseCholesky::forward(Vec b, std::span<double> z) const {
-  if (c_->lockstep && c_->lockstep->inside()) {
-    Shared half(*this, true, b, z, {}, {});
-    c_->lockstep->wait(half);
+void SparseCholesky::forward(Vec b, Forward& z) const {
+  z.trailing_.resize(static_cast<std::size_t>(trailing_size_));
+  z.among_others_ = shared();
+  if (z.among_others_) {
+    if (!z.place_)
+      z.place_ = std::make_shared<KeptPlace>();
+    c_->together->forward(*c_->lockstep, b, *z.place_, z.trailing_);
     return;
   }
+  z.z_.resize(size());
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
   {
     const petsc::ReadArray values(b);
-    const std::span<double> ordered = c_->right_hand_side(z);
+    const std::span<double> ordered = c_->right_hand_side(z.z_);
     for (std::size_t i = 0; i < ordered.size(); ++i)
       ordered[i] = values[permutation[i]];
   }
-  c_->triangular_solve(CHOLMOD_L, z);
+  c_->triangular_solve(CHOLMOD_L, z.z_);
+  std::copy(z.z_.end() - trailing_size_, z.z_.end(), z.trailing_.begin());
 }
 
-void SparseCholesky::backward(std::span<const double> z, std::span<const double> trailing_block,
-                              Vec x) const {
-  if (c_->lockstep && c_->lockstep->inside()) {
-    Shared half(*this, false, x, {}, z, trailing_block);
-    c_->lockstep->wait(half);
+void SparseCholesky::backward(const Forward& z, std::span<const double> trailing_block, Vec x) const {
+  count_solves();
+  if (z.among_others_) {
+    c_->together->backward(*c_->lockstep, *z.place_, trailing_block, x);
     return;
   }
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
   const std::span<double> right = c_->right_hand_side(c_->x);
-  std::ranges::copy(z.first(z.size() - trailing_block.size()), right.begin());
+  const std::span<const double> whole = z.z_;
+  std::ranges::copy(whole.first(whole.size() - trailing_block.size()), right.begin());
   std::ranges::copy(trailing_block, right.end() - static_cast<std::ptrdiff_t>(trailing_block.size()));
   c_->triangular_solve(CHOLMOD_Lt, c_->x);
-  count_solves();
   const petsc::WriteArray values(x);
   for (std::size_t i = 0; i < c_->x.size(); ++i)
     values[permutation[i]] = c_->x[i];
 }
 
 void SparseCholesky::solve(Vec b, Vec x) const {
-  if (c_->lockstep && c_->lockstep->inside()) { // other tasks run between the halves
-    std::vector<double> z(size());
+  if (shared()) { // other tasks run between the halves
+    Forward z;
     forward(b, z);
     backward(z, {}, x);
     return;
@@ -389,9 +367,9 @@ void SparseCholesky::solve(Vec b, Vec x) const {
 }
 
 double SparseCholesky::bytes() const {
-  return static_cast<double>(c_->common.memory_inuse +
-                             (c_->b.size() + c_->z.size() + c_->x.size()) * sizeof(double) +
-                             (c_->solves ? c_->solves->bytes() : 0) + c_->together.bytes());
+  return static_cast<double>(
+      c_->common.memory_inuse + (c_->b.size() + c_->x.size() + c_->z.z_.size()) * sizeof(double) +
+      (c_->solves ? c_->solves->bytes() : 0) + (c_->together ? c_->together->bytes() : 0));
 }
 
 } // namespace signorini

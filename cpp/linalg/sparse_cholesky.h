@@ -9,6 +9,8 @@
 
 namespace signorini {
 
+class KeptPlace;
+
 /// Elimination order of the nodes of a matrix, with the nodes of the trailing block last. It can be reused
 /// for any matrix with the same nonzero pattern.
 struct EliminationOrder {
@@ -58,20 +60,33 @@ public:
 
   /// Number n of unknowns.
   [[nodiscard]] std::size_t size() const;
-  /// Forward solve z = L⁻¹ P b (n). The last trailing_size() entries of z belong to the trailing block.
-  void forward(Vec b, std::span<double> z) const;
-  /// Backward solve x = Pᵀ L⁻ᵀ z, where the last c entries of z (n) are replaced by `trailing_block` (c).
-  void backward(std::span<const double> z, std::span<const double> trailing_block, Vec x) const;
+  /// Forward solution z = L⁻¹ P b.
+  class Forward {
+  public:
+    /// Returns the last entries of z (c), which belong to the trailing block.
+    [[nodiscard]] std::span<const double> trailing_block() const { return trailing_; }
 
-  /// Makes the solves of the tasks of `lockstep` together; null: no more. Does nothing for a factor that fits
-  /// into the cache.
+  private:
+    friend class SparseCholesky;
+    std::vector<double> z_, trailing_;
+    std::shared_ptr<KeptPlace> place_; ///< of z if it was computed with those of other tasks
+    bool among_others_ = false;        ///< whether it was; z_ is then undefined
+  };
+  /// Creates storage for a forward solution.
+  [[nodiscard]] Forward storage() const;
+  /// Forward solve z = L⁻¹ P b.
+  void forward(Vec b, Forward& z) const;
+  /// Backward solve x = Pᵀ L⁻ᵀ z, where the last c entries of z are replaced by `trailing_block` (c); by none
+  /// if it is empty. z stays.
+  void backward(const Forward& z, std::span<const double> trailing_block, Vec x) const;
+
+  /// Makes the solves of the tasks of `lockstep` together; null: no more. A factor that is solved with in
+  /// another format alone is then computed a second time.
   void unite(Lockstep* lockstep) const;
 
 private:
-  struct Cholmod; ///< CHOLMOD's objects
-  class Shared;   ///< a half of a solve that others share
-  /// Forward and backward solves of several right-hand sides at once.
-  void make(std::span<SharedSolve* const> all, bool forward) const;
+  struct Cholmod;                    ///< CHOLMOD's objects
+  [[nodiscard]] bool shared() const; ///< whether the caller is a task whose solves are made with others
   std::unique_ptr<Cholmod> c_;
   int trailing_size_;
   EliminationOrder order_;

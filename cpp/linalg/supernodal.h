@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "linalg/lane_kernels.h"
 #include <cholmod.h>
 #include <cstddef>
 #include <span>
@@ -25,11 +26,6 @@ public:
   /// Replaces z (n) by L⁻ᵀ z. Only one call of forward() or backward() at a time. Not collective.
   void backward(std::span<double> z);
 
-  /// Right-hand sides side by side: n × `lanes` values.
-  struct LaneGroup {
-    double* values;
-    std::ptrdiff_t lanes; ///< narrow_lanes or wide_lanes
-  };
   /// Replaces each right-hand side z by L⁻¹ z, reading the factor once for all. The order of sums differs
   /// from that for a single z, but depends neither on the number of right-hand sides nor on the place of one
   /// among them. Only one call at a time. Not collective.

@@ -11,8 +11,6 @@ namespace signorini {
 
 namespace {
 
-using Group = TriangularSolves::LaneGroup;
-
 /// Number of rows (forward) or columns (backward) of a panel that a thread takes at a time: multiples of the
 /// kernels' tiles.
 constexpr std::ptrdiff_t lane_rows = 64, lane_columns = 8;
@@ -24,15 +22,15 @@ FactorBlock part(const Supernode& s, std::ptrdiff_t row, std::ptrdiff_t rows, st
 }
 
 /// First value of an unknown.
-double* at(const Group& group, std::ptrdiff_t unknown) { return group.values + unknown * group.lanes; }
+double* at(const LaneGroup& group, std::ptrdiff_t unknown) { return group.values + unknown * group.lanes; }
 
 /// Adds the rows of `from` to the rows `row` of a group.
-void add_rows(const int* row, std::ptrdiff_t rows, const double* from, const Group& to) {
+void add_rows(const int* row, std::ptrdiff_t rows, const double* from, const LaneGroup& to) {
   for (std::ptrdiff_t i = 0; i < rows; ++i)
     for (std::ptrdiff_t lane = 0; lane < to.lanes; ++lane)
       at(to, row[i])[lane] += from[i * to.lanes + lane];
 }
-void copy_rows(const Group& from, const int* row, std::ptrdiff_t rows, double* to) {
+void copy_rows(const LaneGroup& from, const int* row, std::ptrdiff_t rows, double* to) {
   for (std::ptrdiff_t i = 0; i < rows; ++i)
     std::copy_n(at(from, row[i]), from.lanes, to + i * from.lanes);
 }

@@ -39,7 +39,8 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene, const mesh::Meshi
 bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
 
 /// Whether a load, control or objective is a density in the body, which needs the matrix W.
-bool has_densities(const scene::Scene& scene, bool optimal_control) {
+bool has_densities(const scene::Scene& scene, step::Stepper::Needs needs) {
+  const bool optimal_control = needs.derivatives || scene.objective.has_value();
   const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
   return (scene.load && scene.load->body) ||
          (controlled && !scene.control->on && scene.control->space == scene::ControlValues::nodal) ||
@@ -216,16 +217,19 @@ SpaceDiscretisation::SpaceDiscretisation(MPI_Comm comm, const scene::Scene& scen
             contact::virtual_nodes(scene.contacts, mesh.dim(), mesh.axisymmetric())) {}
 
 Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
-                 step::Stepper::Needs needs, Timers& t, trajectory::Stops stops)
+                 step::Stepper::Needs needs, Timers& t, trajectory::Stops stops, const Problem* like)
     : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
       space(discretisation->space, contact::virtual_nodes(s.contacts, mesh.dim(), mesh.axisymmetric())),
-      operators(timed(t, "assembly",
-                      [&] {
-                        return fem::assemble_operators(
-                            space, s.materials,
-                            has_densities(s, needs.derivatives || s.objective.has_value()), s.foundations);
-                      })),
-      stepper(timed(t, "solver", [&] { return step::Stepper(space, operators, s, needs); })),
+      shared_operators(like ? like->shared_operators
+                            : timed(t, "assembly",
+                                    [&] {
+                                      return std::make_shared<const fem::Operators>(fem::assemble_operators(
+                                          space, s.materials, has_densities(s, needs), s.foundations));
+                                    })),
+      operators(*shared_operators),
+      stepper(
+          timed(t, "solver",
+                [&] { return step::Stepper(space, operators, s, needs, like ? &like->stepper : nullptr); })),
       grid(stepper.step_lengths() ? step::TimeGrid(*stepper.step_lengths()) : step::TimeGrid(s.time)),
       initial(trajectory::initial_state(stepper, s)) {
   if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
@@ -236,6 +240,38 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
     start_in_equilibrium(stepper, operators, s, scene_load ? &*scene_load : nullptr, initial.y());
   if (!s.output.probes.empty())
     probes.emplace(stepper, s);
+}
+
+std::string operators_key(const scene::Scene& scene, step::Stepper::Needs needs) {
+  scene::Scene body = scene;
+  body.load = {};
+  body.initial = {};
+  body.control = {};
+  body.objective = {};
+  body.unknowns = {};
+  body.measurements = {};
+  body.optimizer = {};
+  body.check = {};
+  body.exact = {};
+  body.run = {};
+  body.output = {};
+  body.trajectory = {};
+  for (scene::Contact& contact : body.contacts) {
+    if (contact.obstacle && !contact.rigid)
+      contact.obstacle = scene::HalfSpace{};
+    if (contact.friction != scene::Expression(0))
+      contact.friction = 1.0;
+    if (contact.bound)
+      contact.bound = scene::FrictionBound{1.0};
+    contact.surface_velocity = {};
+    contact.initial = {};
+    if (contact.rigid) {
+      contact.rigid->velocity = {};
+      contact.rigid->force = {};
+    }
+  }
+  return fmt::format("{}\n{} {} {} {}", scene::echo(body, 3), has_densities(scene, needs), needs.derivatives,
+                     needs.passes, needs.iterative);
 }
 
 long Problem::free_dofs() const {

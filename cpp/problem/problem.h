@@ -18,6 +18,10 @@ struct SpaceDiscretisation {
   fem::Space space;
 };
 
+/// Text of all of a scene that determines operators, D and its solver: problems of scenes with the same text
+/// may share them.
+std::string operators_key(const scene::Scene& scene, step::Stepper::Needs needs);
+
 /// A scene set up for simulation: discretisation, matrices, time stepper, initial state and loads.
 struct Problem {
   /// Sets up the problem of a scene on a discretisation of its own. Throws UserError, SolverFailure,
@@ -25,9 +29,11 @@ struct Problem {
   Problem(MPI_Comm comm, const scene::Scene& s, step::Stepper::Needs needs, Timers& t)
       : Problem(std::make_shared<const SpaceDiscretisation>(comm, s, t), s, needs, t) {}
   /// Sets up the problem of a scene on a discretisation that several problems share. `stops`: whether a
-  /// request to stop throws Interrupted. Collective.
+  /// request to stop throws Interrupted. `like`: a problem with the same operators_key(), whose operators and
+  /// factorisations are used; it must outlive this object. Collective.
   Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene::Scene& s,
-          step::Stepper::Needs needs, Timers& t, trajectory::Stops stops = trajectory::Stops::obeyed);
+          step::Stepper::Needs needs, Timers& t, trajectory::Stops stops = trajectory::Stops::obeyed,
+          const Problem* like = nullptr);
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
@@ -36,7 +42,8 @@ struct Problem {
   std::shared_ptr<const SpaceDiscretisation> discretisation; ///< may be shared with other problems
   const mesh::Mesh& mesh;
   fem::Space space; ///< that of the discretisation, with the virtual nodes of `scene`
-  fem::Operators operators;
+  std::shared_ptr<const fem::Operators> shared_operators; ///< may be shared with other problems
+  const fem::Operators& operators;
   step::Stepper stepper;
   step::TimeGrid grid; ///< the time steps; steps of varying length are set by choose_steps() or a simulation
   step::State initial;

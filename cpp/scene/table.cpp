@@ -2,6 +2,7 @@
 #include "scene/table.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "scene/csv.h"
 #include "scene/schema.h"
 #include "scene/units.h"
 #include <algorithm>
@@ -17,89 +18,9 @@
 namespace signorini::scene {
 namespace {
 
-constexpr std::string_view blanks = " \t";
 constexpr std::size_t shown = 40; ///< largest number of bytes of a cell in a message
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(blanks);
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-/// Calls visit(c, i) for each character c of a line, at index i, that is not in a quoted cell.
-template <class Visit>
-void outside_quotes(std::string_view line, Visit&& visit) {
-  bool quoted = false, start = true; // of a cell: a quote within one is part of its text
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && (quoted || start)) {
-      quoted = !quoted;
-    } else if (!quoted) {
-      visit(c, i);
-      start = c == ',' || c == ';' || c == '\t' || (start && c == ' ');
-    }
-  }
-}
-
-/// Splits a line into cells, and strips blanks and quotes around each cell.
-std::vector<std::string_view> cells(std::string_view line, char separator) {
-  std::vector<std::string_view> found;
-  std::size_t start = 0;
-  const auto add = [&](std::size_t end) {
-    std::string_view cell = trimmed(line.substr(start, end - start));
-    if (cell.size() > 1 && cell.starts_with('"') && cell.ends_with('"'))
-      cell = trimmed(cell.substr(1, cell.size() - 2));
-    found.push_back(cell);
-    start = end + 1;
-  };
-  outside_quotes(line, [&](char c, std::size_t i) {
-    if (c == separator)
-      add(i);
-  });
-  add(line.size());
-  return found;
-}
-
-/// Separator of cells, from the line of column names: a tab if there is one, else a semicolon, else a comma.
-/// Tabs and semicolons take precedence, since names may contain commas.
-char separator(std::string_view names) {
-  char found = ',';
-  outside_quotes(names, [&](char c, std::size_t) {
-    if (c == '\t' || (c == ';' && found == ','))
-      found = c;
-  });
-  return found;
-}
-
-/// Removes the first line from a text and returns it. Lines end with LF, CR LF or, in old files, CR.
-std::string_view take_line(std::string_view& text) {
-  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-  text.remove_prefix(line.size());
-  if (!text.empty())
-    text.remove_prefix(text.starts_with("\r\n") ? 2 : 1);
-  return line;
-}
-
-/// Calls visit(line, number of the line) for the lines of a table until `visit` returns false. Skips empty
-/// lines, comments, and Excel's first line `sep=;`.
-template <class Visit>
-void for_each_line(std::string_view text, Visit&& visit) {
-  if (text.starts_with("\xef\xbb\xbf")) // the mark by which some programs begin UTF-8
-    text.remove_prefix(3);
-  for (int number = 1; !text.empty(); ++number) {
-    const std::string_view line = take_line(text);
-    const bool skipped =
-        trimmed(line).empty() || line.starts_with('#') || (number == 1 && line.starts_with("sep="));
-    if (!skipped && !visit(line, number))
-      return;
-  }
-}
-
-/// Throws UserError if a text has a zero byte, as binary files and the UTF-16 of spreadsheets have.
-void require_bytes_of_text(std::string_view text) {
-  if (text.find('\0') != std::string_view::npos)
-    throw UserError("found a zero byte, as in UTF-16 and in binary files; save the table as UTF-8");
-}
+using csv::trimmed, csv::cells, csv::separator, csv::for_each_line, csv::require_bytes_of_text;
 
 std::optional<double> number(std::string_view text) {
   if (text.starts_with('+'))

@@ -21,6 +21,13 @@ PredictorProjection::PredictorProjection(petsc::Matrix blocks, Mat M, const fem:
       solver_(decoupled(std::move(blocks), clamped), &pairs, scene, derivatives, solves),
       zero_(petsc::vector_of(M)) {}
 
+PredictorProjection::PredictorProjection(const PredictorProjection& like, Mat M,
+                                         const fem::DirichletDofs& clamped,
+                                         const contact::ContactPairs& pairs, bool same_rows,
+                                         const scene::Solver& scene)
+    : M_(M), clamped_(clamped), pairs_(pairs), solver_(like.solver_, &pairs, same_rows, scene, {}),
+      zero_(petsc::vector_of(M)) {}
+
 PredictorProjection::Workspace PredictorProjection::workspace() const {
   return {.r = petsc::zero_like(zero_),
           .jump = petsc::zero_like(zero_),

@@ -18,6 +18,13 @@ public:
                       const contact::ContactPairs& pairs, const scene::Solver& scene, bool derivatives,
                       double solves);
 
+  /// Shares the factorisation of `like`, and its contact solver if `same_rows`, as SolverChoice does.
+  PredictorProjection(const PredictorProjection& like, Mat M, const fem::DirichletDofs& clamped,
+                      const contact::ContactPairs& pairs, bool same_rows, const scene::Solver& scene);
+
+  /// Returns whether other projections may share the factorisation.
+  [[nodiscard]] bool shares() const { return solver_.shares(); }
+
   /// Scratch and results of jump() and linearised_jump().
   struct Workspace {
     petsc::Vector r, jump;

@@ -163,14 +163,30 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
   } else {
     factorise(pairs, scene, solves, order);
   }
-  if (pairs && (!full_ || derivatives))
-    contact_ = by_linear(*pairs, scene, solves, std::move(residual));
+  std::unique_ptr<contact::ContactStepSolver> condensed;
+  if (pairs && (!full_ || derivatives)) {
+    if (!iterative_)
+      diagonal_ = std::make_shared<const petsc::Vector>(fem::diagonal(D_));
+    condensed = by_linear(*pairs, scene, solves, std::move(residual));
+  }
   if (full_) {
-    full->linearise_by(std::move(contact_));
+    full->linearise_by(std::move(condensed));
     contact_ = std::move(full);
+  } else {
+    contact_ = std::move(condensed);
   }
   if (!iterative_)
     D_ = {};
+}
+
+SolverChoice::SolverChoice(const SolverChoice& like, const contact::ContactPairs* pairs, bool same_rows,
+                           const scene::Solver& scene, contact::Residual residual)
+    : linear_(like.linear_), cholesky_(like.cholesky_), mumps_(like.mumps_), diagonal_(like.diagonal_),
+      choice_(like.choice_) {
+  if (same_rows)
+    contact_ = like.contact_;
+  else if (pairs)
+    contact_ = by_linear(*pairs, scene, 0, std::move(residual));
 }
 
 void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
@@ -271,7 +287,7 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
       choice_ += "; contact condensed by columns computed on demand";
       auto columns =
           std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, iterative_->product(), room);
-      return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
+      return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), fem::diagonal(D_),
                                                         std::move(columns), contact::Residual(),
                                                         iterative_->tolerance());
     }
@@ -283,8 +299,8 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
     condensation = std::make_unique<contact::TrailingBlockCondensation>(pairs.rows(), *cholesky_);
   else
     condensation = std::make_unique<contact::StoredColumnsCondensation>(
-        pairs.rows(), *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
-  return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
+        pairs.rows(), *mumps_, *diagonal_, scene.memory - linear_->bytes() - dense_bytes(&pairs));
+  return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), *diagonal_,
                                                     std::move(condensation), std::move(residual));
 }
 

@@ -66,6 +66,13 @@ public:
   SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
                bool derivatives, double solves = 0, const EliminationOrder& order = {},
                contact::Residual residual = {});
+  /// Shares the factorisation of `like`, whose D is the same, and its contact solver if `same_rows`: if the
+  /// rows of `pairs` equal those of `like`. like.shares() must be true. Collective.
+  SolverChoice(const SolverChoice& like, const contact::ContactPairs* pairs, bool same_rows,
+               const scene::Solver& scene, contact::Residual residual);
+  /// Returns whether other solvers may share this one's factorisation: it is direct, and contact is
+  /// condensed.
+  [[nodiscard]] bool shares() const { return !iterative_ && !full_; }
 
   /// Returns whether the solver is iterative, so that D is not factorised.
   [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }
@@ -119,12 +126,13 @@ private:
                                                                       contact::Residual residual);
 
   petsc::Matrix D_; ///< null after a factorisation
-  std::unique_ptr<LinearSolver> linear_;
+  std::shared_ptr<const LinearSolver> linear_;
   const SparseCholesky* cholesky_ = nullptr; ///< linear_ if it has this type, else null
   const MumpsSolver* mumps_ = nullptr;
   const ConjugateGradients* iterative_ = nullptr;
   bool full_ = false; ///< whether contact is solved as one inequality in all unknowns (solver.vi)
-  std::unique_ptr<contact::ContactStepSolver> contact_;
+  std::shared_ptr<const petsc::Vector> diagonal_; ///< of a factorised D, with contact; else null
+  std::shared_ptr<const contact::ContactStepSolver> contact_;
   std::string choice_;
 };
 

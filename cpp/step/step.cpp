@@ -50,10 +50,19 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
   return fem::least_wave_time(space, scene.materials, surfaces);
 }
 
+/// Whether the candidates of two steppers have the same rows.
+bool same_rows(const contact::ContactPairs* one, const contact::ContactPairs* other) {
+  return one && other ? one->rows().equals(other->rows()) : one == other;
+}
+/// Whether they constrain the same dofs, in the same order.
+bool same_dofs(const contact::ContactPairs* one, const contact::ContactPairs* other) {
+  return one && other ? one->rows().dofs() == other->rows().dofs() : one == other;
+}
+
 } // namespace
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
-                 Needs needs)
+                 Needs needs, const Stepper* like)
     : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
       wave_time_(step::wave_time(space, scene)), step_lengths_(step::step_lengths(scene, wave_time_)),
       end_(step_lengths_ ? step_lengths_->end : scene.time.steps * scene.time.step),
@@ -65,56 +74,72 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
   const double solves = step_lengths_ ? 0 : needs.passes * scene.time.steps;
-  if (std::ranges::any_of(scene.contacts, &scene::Contact::loses_mass))
+  const bool loses_mass = std::ranges::any_of(scene.contacts, &scene::Contact::loses_mass),
+             same = like && same_rows(pairs(), like->pairs());
+  if (like && (!like->solver().shares() || (loses_mass ? !same : !same_dofs(pairs(), like->pairs()))))
+    like = nullptr; // D or its solver is another one
+  if (like)
+    moved_ = like->moved_;
+  else if (loses_mass)
     move_mass(scene);
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
-    add_predictor(scene, solver, needs.derivatives, solves);
+    add_predictor(scene, solver, needs.derivatives, solves, like);
   if (MovingClamps::in(scene.clamps))
     moving_clamps_.emplace(space, scene.clamps);
-  lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
-                   moving_clamps_.has_value(), [this, &materials = scene.materials](double tau) {
-                     petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
-                     operators_.add_surroundings(D, tau);
-                     if (redistributed_mass_) {
-                       check(MatAXPY(D, -1, mass_blocks_, SUBSET_NONZERO_PATTERN));
-                       check(MatAXPY(D, 1, redistributed_blocks_, DIFFERENT_NONZERO_PATTERN));
-                     }
-                     return D;
-                   });
-  (void)of_length(first_length_); // fails here rather than in a step
+  lengths_.emplace(
+      space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves, moving_clamps_.has_value(),
+      [this, &materials = scene.materials](double tau) {
+        petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
+        operators_.add_surroundings(D, tau);
+        if (moved_->mass) {
+          check(MatAXPY(D, -1, moved_->body, SUBSET_NONZERO_PATTERN));
+          check(MatAXPY(D, 1, moved_->redistributed, DIFFERENT_NONZERO_PATTERN));
+        }
+        return D;
+      },
+      like ? &*like->lengths_ : nullptr, same);
+  const StepOperators::PerStepLength& first = of_length(first_length_); // fails here rather than in a step
+  product_ = like ? like->product_ : std::make_shared<LaneProduct>(first.shared_R, M());
 }
 
 void Stepper::move_mass(const scene::Scene& scene) {
-  mass_blocks_ = fem::assemble_mass(space_, scene.materials);
-  petsc::Matrix E = contact::velocity_extrapolation(space_, *pairs_, scene.contacts, mass_blocks_);
-  redistributed_blocks_ = contact::redistributed_mass(E, mass_blocks_);
-  redistributed_mass_ = symmetric_half(redistributed_blocks_);
+  moved_->body = fem::assemble_mass(space_, scene.materials);
+  petsc::Matrix E = contact::velocity_extrapolation(space_, *pairs_, scene.contacts, moved_->body);
+  moved_->redistributed = contact::redistributed_mass(E, moved_->body);
+  moved_->mass = symmetric_half(moved_->redistributed);
   if (contact_scheme_ == scene::ContactScheme::contact_stabilized)
-    velocity_extrapolation_ = std::move(E);
+    moved_->extrapolation = std::move(E);
 }
 
 void Stepper::add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives,
-                            double solves) {
+                            double solves, const Stepper* like) {
   if (frictional()) // the predictor is projected along normals only
     smooth_pairs_.emplace(space_, clamped_, contact::without_friction(scene.contacts), scene.time);
+  const contact::ContactPairs& projected = smooth_pairs_ ? *smooth_pairs_ : *pairs_;
+  if (like && like->predictor_->shares()) {
+    const contact::ContactPairs& known = like->smooth_pairs_ ? *like->smooth_pairs_ : *like->pairs_;
+    predictor_.emplace(*like->predictor_, moved_->predictor ? Mat(moved_->predictor) : Mat(operators_.M),
+                       clamped_, projected, same_rows(&projected, &known), solver);
+    return;
+  }
   petsc::Matrix blocks;
-  if (velocity_extrapolation_) {
-    check(MatDuplicate(redistributed_blocks_, MAT_COPY_VALUES, blocks.put()));
-    contact::add_removed_mass(velocity_extrapolation_, mass_blocks_, blocks);
-    predictor_mass_ = symmetric_half(blocks);
+  if (moved_->extrapolation) {
+    check(MatDuplicate(moved_->redistributed, MAT_COPY_VALUES, blocks.put()));
+    contact::add_removed_mass(moved_->extrapolation, moved_->body, blocks);
+    moved_->predictor = symmetric_half(blocks);
   } else
     blocks = fem::assemble_mass(space_, scene.materials);
-  predictor_.emplace(std::move(blocks), predictor_mass_ ? predictor_mass_ : operators_.M, clamped_,
-                     smooth_pairs_ ? *smooth_pairs_ : *pairs_, solver, derivatives, solves);
+  predictor_.emplace(std::move(blocks), moved_->predictor ? Mat(moved_->predictor) : Mat(operators_.M),
+                     clamped_, projected, solver, derivatives, solves);
 }
 
 double Stepper::predictor_bytes() const {
-  return (predictor_ ? predictor_->bytes() : 0) + (predictor_mass_ ? petsc::bytes(predictor_mass_) : 0);
+  return (predictor_ ? predictor_->bytes() : 0) + (moved_->predictor ? petsc::bytes(moved_->predictor) : 0);
 }
 
 double Stepper::redistribution_bytes() const {
-  return (redistributed_mass_ ? petsc::bytes(redistributed_mass_) : 0) +
-         (velocity_extrapolation_ ? petsc::bytes(velocity_extrapolation_) : 0);
+  return (moved_->mass ? petsc::bytes(moved_->mass) : 0) +
+         (moved_->extrapolation ? petsc::bytes(moved_->extrapolation) : 0);
 }
 
 Stepper::Workspace Stepper::workspace() const {
@@ -141,19 +166,24 @@ Stepper::Workspace Stepper::workspace() const {
 void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source,
                               Workspace& work) const {
   // r = R x + M (a z) + b source, with source = W density + vector
-  const std::optional<double> rho = redistributed_mass_ ? std::nullopt : operators_.uniform_density;
-  if (!source.density) {
-    check(VecAXPBY(work.work, a, 0, z));
-    check(MatMult(M(), work.work, work.r));
-  } else if (rho) { // M = ρ W: one product for both terms
-    petsc::combine(work.work, a, z, b / *rho, source.density);
-    check(MatMult(M(), work.work, work.r));
-  } else {
+  const std::optional<double> rho = moved_->mass ? std::nullopt : operators_.uniform_density;
+  if (source.density && !rho) {
     check(MatMult(M(), z, work.r));
     check(MatMult(*operators_.W, source.density, work.work));
     check(VecAXPBY(work.r, b, a, work.work));
+    check(MatMultAdd(R, x, work.r, work.r));
+  } else {
+    if (source.density) // M = ρ W: one product for both terms
+      petsc::combine(work.work, a, z, b / *rho, source.density);
+    else
+      check(VecAXPBY(work.work, a, 0, z));
+    if (R == product_->R()) {
+      product_->multiply(x, work.work, work.r);
+    } else {
+      check(MatMult(M(), work.work, work.r));
+      check(MatMultAdd(R, x, work.r, work.r));
+    }
   }
-  check(MatMultAdd(R, x, work.r, work.r));
   if (source.vector)
     check(VecAXPY(work.r, b, source.vector));
   clamped_.clear(work.r);
@@ -212,9 +242,9 @@ void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State
 } // namespace
 
 void Stepper::extrapolate(Vec v, Vec work) const {
-  if (!velocity_extrapolation_)
+  if (!moved_->extrapolation)
     return;
-  check(MatMult(velocity_extrapolation_, v, work));
+  check(MatMult(moved_->extrapolation, v, work));
   check(VecCopy(work, v));
 }
 
@@ -232,10 +262,10 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     momentum = moving_clamps_->starting_velocity(*work.moving_clamps, in.from.y(), momentum);
   }
   // (4.21): r = R y_{k−1} + τ M (v_{k−1} + j/τ) + τ²/2 (f_k + s W u_k)
-  right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
+  right_hand_side(with.R(), in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   subtract_branch_forces(scheme, in.from, work);
   if (moving_clamps_)
-    moving_clamps_->apply(*work.moving_clamps, with.whole_D, clamped_, with.clamped_diagonal, work.r);
+    moving_clamps_->apply(*work.moving_clamps, with.whole_D(), clamped_, with.clamped_diagonal, work.r);
   // (4.21): D y_k + N λ_k = r, 0 ≤ λ_k ⊥ g(y_k) ≥ 0
   if (frictional()) {
     set_slip_gaps(in, psi, work);
@@ -328,7 +358,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
       predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
                                                *work.predictor, step.predictor)
                  : nullptr;
-  right_hand_side(of_length(scheme.tau).R, step.from.y(), scheme.momentum(),
+  right_hand_side(of_length(scheme.tau).R(), step.from.y(), scheme.momentum(),
                   with_jump(step.from.v(), scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
                   work);
   subtract_branch_forces(scheme, step.from, work);

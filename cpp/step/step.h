@@ -3,6 +3,7 @@
 #include "base/petsc.h"
 #include "contact/pairs.h"
 #include "fem/operators.h"
+#include "linalg/lane_product.h"
 #include "step/load.h"
 #include "step/moving_clamps.h"
 #include "step/predictor_projection.h"
@@ -125,7 +126,10 @@ public:
 
   /// Finds the contact candidates, and assembles and factorises D for the first step length. Collective. The
   /// references must outlive this object. Throws UserError, SolverFailure.
-  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
+  /// `like`: a stepper of a scene with the same operators_key(), whose matrices and factorisations are used
+  /// as far as they are the same; it must outlive this object.
+  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs,
+          const Stepper* like = nullptr);
 
   Stepper(const Stepper&) = delete; // its members refer to each other
   Stepper& operator=(const Stepper&) = delete;
@@ -151,6 +155,7 @@ public:
   bool unite(double tau, Lockstep* lockstep) const {
     if (predictor_)
       predictor_->unite(lockstep);
+    product_->unite(lockstep);
     return of_length(tau).solver->unite(lockstep);
   }
   /// Number of factorisations so far, repeated ones included.
@@ -160,10 +165,10 @@ public:
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// Returns the mass matrix M of this run: the body's or, if contact nodes lose mass, EᵀME (docs/method.md
   /// section 2).
-  [[nodiscard]] Mat M() const { return redistributed_mass_ ? redistributed_mass_ : operators_.M; }
+  [[nodiscard]] Mat M() const { return moved_->mass ? Mat(moved_->mass) : Mat(operators_.M); }
   /// Returns the extrapolation E of velocities to contact nodes if it acts on states, which it does where
   /// contact nodes have no tangential mass; else null.
-  [[nodiscard]] Mat velocity_extrapolation() const { return velocity_extrapolation_; }
+  [[nodiscard]] Mat velocity_extrapolation() const { return moved_->extrapolation; }
   /// Replaces the velocity v by E v if velocity_extrapolation() is not null. `work`: scratch. Collective.
   void extrapolate(Vec v, Vec work) const;
   /// Returns the projection of the predictor; null except in contact-stabilized stepping.
@@ -249,10 +254,11 @@ public:
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
-  /// Moves mass of contact nodes to other nodes, and sets redistributed_mass_.
+  /// Moves mass of contact nodes to other nodes, and sets moved_.
   void move_mass(const scene::Scene& scene);
   /// Sets up the projection of the predictor.
-  void add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives, double solves);
+  void add_predictor(const scene::Scene& scene, const scene::Solver& solver, bool derivatives, double solves,
+                     const Stepper* like);
   /// Sets work.r = R x + a M z + b source on the free dofs and zero on the clamped ones, for steps and
   /// transposed steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
@@ -311,13 +317,18 @@ private:
   std::optional<MovingClamps> moving_clamps_;
   std::optional<contact::ContactPairs> pairs_;
   std::optional<contact::ContactPairs>
-      smooth_pairs_;                     ///< pairs_ without friction, for the predictor; else absent
-  petsc::Matrix redistributed_mass_;     ///< symmetric half of EᵀME; null if all contact nodes have mass
-  petsc::Matrix velocity_extrapolation_; ///< E if contact nodes have no tangential mass; else null
-  petsc::Matrix predictor_mass_;         ///< mass matrix of the predictor where EᵀME is singular; else null
-  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< mass matrix of the body, and EᵀME, in blocks
+      smooth_pairs_; ///< pairs_ without friction, for the predictor; else absent
+  /// Mass matrices of a run whose contact nodes lose mass; null in other runs.
+  struct MovedMass {
+    petsc::Matrix body, redistributed; ///< mass matrix of the body, and EᵀME, in blocks
+    petsc::Matrix mass;                ///< symmetric half of EᵀME
+    petsc::Matrix extrapolation;       ///< E if contact nodes have no tangential mass; else null
+    petsc::Matrix predictor;           ///< mass matrix of the predictor where EᵀME is singular; else null
+  };
+  std::shared_ptr<MovedMass> moved_ = std::make_shared<MovedMass>(); ///< changed at construction only
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;
+  std::shared_ptr<LaneProduct> product_; ///< with R of the length first_length_, and M
 };
 
 } // namespace signorini::step

@@ -7,9 +7,10 @@ namespace signorini::step {
 
 StepOperators::StepOperators(const fem::Space& space, Mat A, const fem::DirichletDofs& clamped,
                              const contact::ContactPairs* pairs, const scene::Solver& solver,
-                             bool derivatives, double solves, bool whole, Assemble assemble)
+                             bool derivatives, double solves, bool whole, Assemble assemble,
+                             const StepOperators* like, bool same_rows)
     : space_(space), A_(A), clamped_(clamped), pairs_(pairs), scene_(solver), derivatives_(derivatives),
-      solves_(solves), whole_(whole), assemble_(std::move(assemble)) {}
+      solves_(solves), whole_(whole), assemble_(std::move(assemble)), like_(like), same_rows_(same_rows) {}
 
 const StepOperators::PerStepLength& StepOperators::at(double tau) const {
   const auto known = std::ranges::find(lengths_, tau, &PerStepLength::tau);
@@ -28,7 +29,7 @@ const StepOperators::PerStepLength& StepOperators::at(double tau) const {
   const auto start = std::chrono::steady_clock::now();
   lengths_.push_front(make(tau));
   factorisation_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  ++factorisations_;
+  factorisations_ += !like_;
   return lengths_.front();
 }
 
@@ -46,20 +47,29 @@ contact::Residual StepOperators::residual(double tau, Mat R) const {
 
 StepOperators::PerStepLength StepOperators::make(double tau) const {
   PerStepLength made{.tau = tau};
+  if (like_) {
+    const PerStepLength& known = like_->at(tau);
+    made.shared_R = known.shared_R;
+    made.shared_whole_D = known.shared_whole_D;
+    made.clamped_diagonal = known.clamped_diagonal;
+    made.solver =
+        std::make_unique<SolverChoice>(*known.solver, pairs_, same_rows_, scene_, residual(tau, made.R()));
+    return made;
+  }
   petsc::Matrix D = assemble_(tau);
-  made.R = fem::shifted(A_, D, 2 * Scheme{tau}.stiffness());
+  made.shared_R = std::make_shared<const petsc::Matrix>(fem::shifted(A_, D, 2 * Scheme{tau}.stiffness()));
   if (whole_)
-    made.whole_D = symmetric_half(D);
+    made.shared_whole_D = std::make_shared<const petsc::Matrix>(symmetric_half(D));
   made.clamped_diagonal = clamped_.decouple(D);
   fem::attach_rigid_motions(D, space_);
   made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, derivatives_, solves_, order_,
-                                               residual(tau, made.R));
+                                               residual(tau, made.R()));
   if (factorisations_ == 0) {
     scene_.linear = made.solver->iterates() ? scene::LinearMethod::iterative : scene::LinearMethod::direct;
     order_ = made.solver->order();
   }
   const SolverChoice::Memory memory = made.solver->memory();
-  made.bytes = memory.factor + memory.condensation + petsc::bytes(made.R);
+  made.bytes = memory.factor + memory.condensation + petsc::bytes(made.R());
   return made;
 }
 

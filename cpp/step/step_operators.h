@@ -17,21 +17,27 @@ public:
   /// Operators and solver of one step length.
   struct PerStepLength {
     double tau; ///< step length, s
-    petsc::Matrix R{};
-    petsc::Matrix whole_D{};     ///< D before its clamped dofs were decoupled; null if no clamp moves
+    std::shared_ptr<const petsc::Matrix> shared_R{};
+    std::shared_ptr<const petsc::Matrix> shared_whole_D{}; ///< null if no clamp moves
     double clamped_diagonal = 0; ///< diagonal entry of the decoupled D on clamped dofs
     std::unique_ptr<const SolverChoice> solver{};
     double bytes = 0; ///< memory of solver and R on all ranks, bytes
+
+    [[nodiscard]] Mat R() const { return *shared_R; }
+    /// Returns D before its clamped dofs were decoupled; only if clamps move.
+    [[nodiscard]] Mat whole_D() const { return *shared_whole_D; }
   };
 
   /// Function that assembles D for the step length `tau` (s), as a matrix in blocks. Collective.
   using Assemble = std::function<petsc::Matrix(double tau)>;
 
   /// `solves`: expected number of solves with one length, as in SolverChoice; `whole`: whether clamps move,
-  /// which requires whole_D. The references must outlive this object.
+  /// which requires whole_D. `like`: operators of the same body, whose matrices and factorisations are used;
+  /// `same_rows`: as in SolverChoice. The references must outlive this object.
   StepOperators(const fem::Space& space, Mat A, const fem::DirichletDofs& clamped,
                 const contact::ContactPairs* pairs, const scene::Solver& solver, bool derivatives,
-                double solves, bool whole, Assemble assemble);
+                double solves, bool whole, Assemble assemble, const StepOperators* like = nullptr,
+                bool same_rows = false);
 
   /// Returns the operators of step length `tau` (s), factorised if necessary; valid until the next call.
   /// Collective. Throws SolverFailure.
@@ -58,6 +64,8 @@ private:
   double solves_;
   bool whole_;
   Assemble assemble_;
+  const StepOperators* like_;
+  bool same_rows_;
   mutable EliminationOrder order_;           ///< elimination order of the first length; empty before
   mutable std::list<PerStepLength> lengths_; ///< most recently used first
   mutable int factorisations_ = 0;

@@ -62,7 +62,7 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
     check(VecAXPY(work.moved, rate * later.tau + 1, jump));
   }
   // (4.41): r = R_{k+1} p_{k+1} + M momentum + ∂J/∂y_k
-  right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
+  right_hand_side(of_length(later.tau).R(), step.state.p_next, 1, work.moved, 1, step.derivative, work);
   add_branch_duals(step, rate == 0, work);
   if (step.state.slip)
     check(VecAXPY(work.r, 1, step.state.slip));

@@ -58,7 +58,7 @@ public:
     watch.lap();
     check(MatMult(problem_.operators.M, f_, r_));
     double products = watch.lap();
-    check(MatMultAdd(stepper.of_length(scheme.tau).R, motion.y[i - 1], r_, r_));
+    check(MatMultAdd(stepper.of_length(scheme.tau).R(), motion.y[i - 1], r_, r_));
     products += watch.lap();
     stepper.clamped().clear(r_);
     if (stepper.pairs())

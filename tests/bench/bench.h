@@ -34,7 +34,7 @@ private:
 inline double operator_bytes(const problem::Problem& problem) {
   const fem::Operators& operators = problem.operators;
   double sum = petsc::bytes(operators.M) + petsc::bytes(operators.A) +
-               petsc::bytes(problem.stepper.of_length(problem.grid.length(1)).R);
+               petsc::bytes(problem.stepper.of_length(problem.grid.length(1)).R());
   for (const std::optional<petsc::Matrix>& matrix : {std::cref(operators.B), std::cref(operators.W)})
     if (matrix)
       sum += petsc::bytes(*matrix);

@@ -23,7 +23,7 @@ public:
   /// The last displacement.
   Vec operator()() {
     const double tau = problem_.scene.time.step;
-    Mat M = problem_.operators.M, R = problem_.stepper.of_length(problem_.grid.length(1)).R;
+    Mat M = problem_.operators.M, R = problem_.stepper.of_length(problem_.grid.length(1)).R();
     const LinearSolver& D = problem_.stepper.solver().linear();
     const std::vector<int>& clamped = problem_.stepper.clamped().dofs();
     check(VecCopy(problem_.initial.y(), y0_));

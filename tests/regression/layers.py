@@ -10,7 +10,7 @@ from harness import SOURCE
 CPP = SOURCE / "cpp"
 # The layers in the order in which data flows: each sees itself and those before it.
 ORDER = ["base", "linalg", "scene", "mesh", "fem", "contact", "step", "trajectory", "adjoint", "diagnostics", "optimize", "control", "io", "problem",
-         "drivers", "accuracy", "app"]  # fmt: skip
+         "drivers", "accuracy", "batch", "app"]  # fmt: skip
 # What some of them do without.
 WITHOUT = {"scene": {"linalg"}, "mesh": {"linalg"}, "diagnostics": {"adjoint"}, "optimize": set(ORDER) - {"base", "linalg", "optimize"},
            "control": {"diagnostics"}, "io": {"linalg", "adjoint", "optimize"}}  # fmt: skip

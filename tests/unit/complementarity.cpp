@@ -116,7 +116,7 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
 TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make",
           "[contact]") {
   const Parts parts;
-  const contact::Complementarity complementarity(parts.H, parts.pairs.diameter(), parts.D);
+  const contact::Complementarity complementarity(parts.H, parts.pairs.diameter(), fem::diagonal(parts.D));
   const auto m = static_cast<std::size_t>(parts.pairs.count());
   const petsc::Vector diagonal = fem::diagonal(parts.D), still = parts.space.vector();
   std::vector<double> stiffness(m); // against moving a node alone

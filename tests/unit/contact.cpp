@@ -123,8 +123,9 @@ TEST_CASE("a step that is long beside a fall through the body is refined from it
     check(VecAYPX(out, -1, r));
     ++passes;
   };
-  const contact::CondensedSolver plain(H, parts.pairs.diameter(), parts.D, eliminated(factor), {}),
-      refined(H, parts.pairs.diameter(), parts.D, eliminated(factor), residual);
+  const contact::CondensedSolver plain(H, parts.pairs.diameter(), fem::diagonal(parts.D), eliminated(factor),
+                                       {}),
+      refined(H, parts.pairs.diameter(), fem::diagonal(parts.D), eliminated(factor), residual);
   petsc::Vector fallen = test::smooth(parts.space, 1), r = parts.space.vector();
   constexpr double fall = 1e8; // m: its rounding is a hundred negligible gaps
   check(VecShift(fallen, -fall));

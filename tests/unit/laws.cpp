@@ -99,7 +99,7 @@ struct Rubbing {
           H, dynamic_cast<const ConjugateGradients&>(linear.linear()), parts.D,
           kind == Kind::on_demand ? 1e9 : 0);
     }
-    return std::make_unique<contact::CondensedSolver>(H, parts.pairs.diameter(), parts.D,
+    return std::make_unique<contact::CondensedSolver>(H, parts.pairs.diameter(), fem::diagonal(parts.D),
                                                       std::move(condensation), contact::Residual());
   }
 
@@ -260,7 +260,7 @@ TEST_CASE("each method for friction finds what obeys the laws", "[contact]") {
                bounded ? static_cast<const contact::Law&>(contact::tresca) : contact::coulomb);
   const contact::DelassusOperator S(body.H, std::make_unique<contact::StoredColumnsCondensation>(
                                                 body.H, *body.mumps, body.parts.space.vector(), 1e9));
-  const contact::Complementarity scales(body.H, 1, body.parts.D);
+  const contact::Complementarity scales(body.H, 1, fem::diagonal(body.parts.D));
   const contact::LawSolver solver(body.H, S, scales.compliances());
   contact::Workspace work = S.workspace();
   body.friction = friction;

@@ -5,6 +5,7 @@
 #include "base/machine.h"
 #include "contact_parts.h"
 #include "fixtures.h"
+#include "linalg/lane_product.h"
 #include "linalg/sparse_cholesky.h"
 #include "problem/problem.h"
 #include "trajectory/parameter_sensitivities.h"
@@ -12,6 +13,7 @@
 #include <catch2/generators/catch_generators.hpp>
 #include <fmt/format.h>
 #include <functional>
+#include <numeric>
 #include <stdexcept>
 
 using namespace signorini;
@@ -80,6 +82,61 @@ TEST_CASE("solves made together do not depend on their number, order and threads
     solve(which);
     for (const std::size_t i : which)
       CHECK(values(x[i]) == together[i]);
+  }
+  use_threads(MPI_COMM_WORLD, before);
+}
+
+TEST_CASE("products made together do not depend on their number, order and threads", "[lockstep]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return;
+  const int before = threads(), n = GENERATE(1, 2, 3);
+  const std::string body = GENERATE("plane", "space");
+  const bool masses = GENERATE(false, true); // of blocks rather than of one number for each
+  CAPTURE(n, body, masses);
+  use_threads(MPI_COMM_WORLD, n);
+  const test::Ready ready(body == "plane" ? "scenes/half-disc.toml" : "scenes/half-ball.toml",
+                          {body == "plane" ? "mesh.size=2" : "mesh.size=4"});
+  const problem::Problem& problem = ready.problem;
+  const fem::Space& space = problem.space;
+  const auto R = problem.stepper.of_length(ready.scene.time.step).shared_R;
+  const petsc::Matrix blocks = symmetric_half(fem::assemble_mass(space, ready.scene.materials));
+  const Mat M = masses ? Mat(blocks) : Mat(problem.operators.M);
+  LaneProduct product(R, M);
+  constexpr std::size_t most = 19;
+  std::vector<petsc::Vector> x, w, r;
+  for (std::size_t i = 0; i < most; ++i) {
+    for (std::vector<petsc::Vector>* all : {&x, &w, &r}) {
+      all->push_back(space.vector());
+      check(VecSetRandom(all->back(), nullptr));
+    }
+  }
+  Lockstep lockstep;
+  const auto multiply = [&](const std::vector<std::size_t>& which) {
+    std::vector<std::function<void()>> tasks;
+    for (const std::size_t i : which)
+      tasks.emplace_back([&, i] { product.multiply(x[i], w[i], r[i]); });
+    product.unite(&lockstep);
+    lockstep.run(tasks);
+    product.unite(nullptr);
+  };
+  std::vector<std::size_t> all(most);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  multiply(all);
+  std::vector<std::vector<double>> together;
+  const petsc::Vector alone = space.vector();
+  bool differs = false;
+  for (std::size_t i = 0; i < most; ++i) {
+    together.push_back(values(r[i]));
+    product.multiply(x[i], w[i], alone);
+    CHECK(test::difference(alone, r[i]) < 1e-13 * test::largest(alone));
+    differs = differs || values(alone) != together.back();
+  }
+  CHECK(differs); // else the products were not made together
+  for (const std::vector<std::size_t>& which :
+       {std::vector<std::size_t>{5}, {3, 2}, {18, 0, 9, 8, 7, 6, 5, 4, 3, 2}}) {
+    multiply(which);
+    for (const std::size_t i : which)
+      CHECK(values(r[i]) == together[i]);
   }
   use_threads(MPI_COMM_WORLD, before);
 }

@@ -2,7 +2,6 @@
 #include "contact/lcp/complementarity.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
-#include "fem/operators.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -38,11 +37,11 @@ struct Values {
 
 } // namespace
 
-Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Mat D)
+Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Vec diagonal)
     : rows_(rows), diameter_(diameter), gap_tolerance_(gap_tolerance(diameter)) {
   // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
   // couple them are neglected.
-  multiplier_per_motion_ = rows.weighted_squares(fem::diagonal(D));
+  multiplier_per_motion_ = rows.weighted_squares(diagonal);
 }
 
 Compliance Complementarity::compliance(int candidate) const {

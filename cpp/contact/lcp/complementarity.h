@@ -12,8 +12,9 @@ namespace signorini::contact {
 /// than any fixed fraction of its diameter.
 class Complementarity {
 public:
-  /// `diameter`: diameter of the body, m; `D`: step operator. `rows` must outlive this object. Collective.
-  Complementarity(const ConstraintRows& rows, double diameter, Mat D);
+  /// `diameter`: diameter of the body, m; `diagonal`: that of the step operator D. `rows` must outlive this
+  /// object. Collective.
+  Complementarity(const ConstraintRows& rows, double diameter, Vec diagonal);
 
   /// Sets the status and the linearisation of `state` from its multipliers λ and gaps. `y`: solution of the
   /// step; `tolerance`: relative error of y due to an iterative solver, 0 for a direct one; `residual`: up to

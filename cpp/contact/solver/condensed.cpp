@@ -22,10 +22,10 @@ double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges
 
 } // namespace
 
-CondensedSolver::CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
+CondensedSolver::CondensedSolver(const ConstraintRows& rows, double diameter, Vec diagonal,
                                  std::unique_ptr<const Condensation> condensation, Residual residual,
                                  double tolerance)
-    : rows_(rows), delassus_(rows, std::move(condensation)), complementarity_(rows, diameter, D),
+    : rows_(rows), delassus_(rows, std::move(condensation)), complementarity_(rows, diameter, diagonal),
       residual_(std::move(residual)), tolerance_(tolerance), length_unit_(gap_tolerance(diameter)) {}
 
 Workspace CondensedSolver::workspace() const {

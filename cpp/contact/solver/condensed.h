@@ -27,10 +27,11 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// then refined from its residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
-  /// `condensation`: condensation of the step operator `D`, whose solves have the relative error `tolerance`;
-  /// `diameter`: that of the body, m. If `residual` is empty, solutions are not refined. `rows` must outlive
-  /// this object. PETSc options with the prefix `-condensed_vi_` are honoured. Collective.
-  CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
+  /// `condensation`: condensation of the step operator D, whose solves have the relative error `tolerance`;
+  /// `diagonal`: that of D; `diameter`: that of the body, m. If `residual` is empty, solutions are not
+  /// refined. `rows` must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
+  /// Collective.
+  CondensedSolver(const ConstraintRows& rows, double diameter, Vec diagonal,
                   std::unique_ptr<const Condensation> condensation, Residual residual, double tolerance = 0);
 
   [[nodiscard]] Workspace workspace() const override;

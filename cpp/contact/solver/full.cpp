@@ -92,8 +92,9 @@ petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& a
 } // namespace
 
 FullSolver::FullSolver(const ContactPairs& pairs, Mat D)
-    : pairs_(pairs), complementarity_(pairs.rows(), pairs.diameter(), D), length_unit_(pairs.gap_tolerance()),
-      axis_(largest_components(pairs)), length_(lengths(pairs)), Q_(frames(pairs, D, axis_, length_)) {
+    : pairs_(pairs), complementarity_(pairs.rows(), pairs.diameter(), fem::diagonal(D)),
+      length_unit_(pairs.gap_tolerance()), axis_(largest_components(pairs)), length_(lengths(pairs)),
+      Q_(frames(pairs, D, axis_, length_)) {
   if (pairs.rows().clamped())
     diagonal_ = fem::diagonal(D);
   petsc::Matrix rows; // PETSc multiplies and extracts submatrices by rows, not by blocks

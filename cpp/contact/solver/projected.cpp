@@ -11,7 +11,7 @@ using petsc::check;
 
 ProjectedSolver::ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D,
                                  Mat matrix)
-    : rows_(rows), D_(D), matrix_(matrix), complementarity_(rows, diameter, matrix),
+    : rows_(rows), D_(D), matrix_(matrix), complementarity_(rows, diameter, fem::diagonal(matrix)),
       zero_(static_cast<std::size_t>(rows.count()), 0.0), gap_tolerance_(gap_tolerance(diameter)),
       residual_(petsc::vector_of(matrix)) {
   if (!rows.symmetric() || rows.share())
