@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/reference/files.md has the columns of every table, the members of run.json and study.json, and the datasets of every field
+"""docs/reference/files.md has the columns of every table, the members of every JSON file, and the datasets of every field
 file that runs write, all of them and no others; every scene has a picture; the README is short; CONTRIBUTING.md names what there is.
 
 That docs/reference/keys.md has every key is asserted by the tests of keys.
@@ -21,7 +21,7 @@ SCENES = SOURCE / "scenes"
 SELDOM = {"kink.shortest_combination", "kink.radius", "kink.gradients", "kink.weak_contact[].<member>",
           "<obstacle>/displacement", "<obstacle>/first_point", "<obstacle>/first_facet"}  # of obstacles that move
 # What a name in brackets stands for where it is a column's whole name, in the runs below.
-ALONE = {"<unknown>": "young|speed", "<quantity>": "J|impulse"}
+ALONE = {"<unknown>": "young|speed", "<quantity>": "J|impulse", "<key>": "contact.obstacle.point"}
 PAGE = (SOURCE / "docs" / "reference" / "files.md").read_text()
 CONTRIBUTING = (SOURCE / "CONTRIBUTING.md").read_text()
 
@@ -82,6 +82,8 @@ RUNS = {
     "joint": ("optimize", "joint.toml"),
     "ordered": ("optimize", DISC, "--accuracy", "0.2", *sets(mesh__size=1)),
     "ordered-ball": ("optimize", BALL, "--accuracy", "0.5", *sets(time__step=5e-4)),
+    "cases": ("batch", DISC, "--cases", SOURCE / "tests" / "data" / "heights.csv", "--quantity", "J,impulse", *SHORT,
+              *sets(output__probe='[{name="tip", point=[0, -5], acceleration=true}]')),  # fmt: skip
     "study": ("study", DISC, "--sizes", "8,4", "--steps", "5e-4", "--quantity", "J,impulse", "--search-tolerances", "0.5"),
 }
 Ran = Callable[[str], Path]
@@ -137,9 +139,9 @@ def datasets(file: Path) -> set[str]:
 def members(out: Path) -> Iterator[tuple[Path, str, set[str]]]:
     """Files of a run with members or datasets, the sections that they are in, and their names."""
     for file in sorted([*out.glob("*.json"), *out.glob("*.h5")]):
-        if file.name in ("run.json", "study.json"):
+        if file.name in ("run.json", "study.json", "batch.json"):
             found = json.loads(file.read_text())
-            yield file, file.name, set(found) if file.name == "study.json" else paths(found)
+            yield file, file.name, paths(found) if file.name == "run.json" else set(found)
         elif file.suffix == ".h5" and file.name != "checkpoint.h5":
             yield file, "surfaces.h5" if file.name == "surfaces.h5" else "state", datasets(file)
 
