@@ -87,21 +87,26 @@ std::string petsc_options() {
 
 } // namespace
 
-Origin::Origin(const scene::Scene& scene, const SamplePoints& samples, int ranks)
-    : scene_(scene), dim_(samples.dim) {
-  common_[program] = fmt::format("{} with measurement {}", io::versions().dump(), measurement);
-  common_[ranks_part] = std::to_string(ranks); // for seconds and memory
-  common_[options] = petsc_options();
-  common_[mesh_file] = mesh_digest(scene.mesh.file);
-  common_[sample_points] = samples.digest;
+Fingerprint inputs(const scene::Scene& scene) {
+  Fingerprint all;
+  all[program] = fmt::format("{} with measurement {}", io::versions().dump(), measurement);
+  all[options] = petsc_options();
+  all[mesh_file] = mesh_digest(scene.mesh.file);
   if (!scene.digest_of_series.empty())
-    common_[series] = scene.digest_of_series;
+    all[series] = scene.digest_of_series;
   if (scene.control && scene.control->stored)
-    common_[first_guess] = digest(scene.control->stored->folder / "checkpoint.h5") +
-                           digest(scene.control->stored->folder / "control.h5");
+    all[first_guess] = digest(scene.control->stored->folder / "checkpoint.h5") +
+                       digest(scene.control->stored->folder / "control.h5");
   if (scene.objective)
     if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
-      common_[desired_run] = digest(run->folder / "state.h5");
+      all[desired_run] = digest(run->folder / "state.h5");
+  return all;
+}
+
+Origin::Origin(const scene::Scene& scene, const SamplePoints& samples, int ranks)
+    : scene_(scene), dim_(samples.dim), common_(inputs(scene)) {
+  common_[ranks_part] = std::to_string(ranks); // for seconds and memory
+  common_[sample_points] = samples.digest;
 }
 
 Fingerprint Origin::of(const Rung& rung) const {

@@ -8,6 +8,11 @@ namespace signorini::accuracy {
 /// fingerprints have equal results.
 using Fingerprint = std::map<std::string, std::string>;
 
+/// Inputs of a run of the scene besides the scene itself: versions, PETSc's options, and the contents of the
+/// files that the scene names. Call this before the first solver, since solvers add their defaults to the
+/// options. Not collective.
+Fingerprint inputs(const scene::Scene& scene);
+
 /// Computes the fingerprints of a study's rungs from their common part, which is determined once. Used on
 /// rank 0, where SamplePoints has a digest.
 class Origin {

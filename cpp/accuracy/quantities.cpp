@@ -79,8 +79,8 @@ std::string Measured::warning(const Quantity& quantity) const {
   return text;
 }
 
-std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim) {
-  const std::vector<Quantity> all = quantities(scene, dim);
+std::vector<Quantity> named(const std::vector<Quantity>& all, const std::vector<std::string>& names,
+                            const char* what) {
   std::vector<std::string> allowed;
   for (const Quantity& quantity : all)
     allowed.push_back(quantity.name);
@@ -88,11 +88,17 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name, &Quantity::name);
     if (found == all.end())
-      throw UserError(fmt::format("--quantity: found \"{}\"{}; quantities of this scene: {}", name,
-                                  suggestion(name, allowed), list(allowed)));
-    if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
+      throw UserError(fmt::format("--quantity: found \"{}\"{}; {} of this scene: {}", name,
+                                  suggestion(name, allowed), what, list(allowed)));
+    if (!has(wanted, name))
       wanted.push_back(*found);
   }
+  return wanted;
+}
+
+std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim) {
+  const std::vector<Quantity> all = quantities(scene, dim);
+  std::vector<Quantity> wanted = named(all, names, "quantities");
   if (wanted.empty())
     std::ranges::copy_if(all, std::back_inserter(wanted), [&](const Quantity& quantity) {
       using enum scene::StoredField;

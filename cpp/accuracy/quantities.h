@@ -76,6 +76,11 @@ bool has(const std::vector<Quantity>& quantities, const std::string& name);
 /// and the pressure if its exact value is given. `dim` determines the units.
 std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
 
+/// Selects those of the quantities `all` that have these names, each once. `what`: what they are, for
+/// messages. Throws UserError if a name is unknown.
+std::vector<Quantity> named(const std::vector<Quantity>& all, const std::vector<std::string>& names,
+                            const char* what);
+
 /// Selects quantities by their names. If `names` is empty, selects all quantities except the gradient, and
 /// except the stress if the scene does not store it. Throws UserError if a name is unknown.
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);

@@ -91,22 +91,6 @@ std::string digest_of(const std::vector<std::uint8_t>& bytes) {
 
 constexpr const char* damaged = "its file is damaged, or from another version of this program";
 
-void replace(const std::filesystem::path& file, const char* data, std::size_t size) {
-  std::filesystem::path partial = file;
-  partial += ".partial";
-  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-  out.write(data, static_cast<std::streamsize>(size));
-  out.close();
-  std::error_code error;
-  if (out)
-    std::filesystem::rename(partial, file, error);
-  if (!out || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    throw UserError(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
-  }
-}
-
 /// Loads the content that store_kept() wrote to a file; absent if the file is missing, damaged or has another
 /// fingerprint. In the last two cases `unfit` receives the reason. Throws Json::exception.
 std::optional<Json> load_kept(const std::filesystem::path& file, const Fingerprint& fingerprint,
@@ -131,7 +115,7 @@ void store_kept(const std::filesystem::path& file, Json json, const Fingerprint&
   const std::string digest = digest_of(inner);
   const std::vector<std::uint8_t> bytes =
       Json::to_cbor(Json{{"digest", digest}, {"rung", Json::binary(std::move(inner))}});
-  replace(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  io::replace_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 /// Text of a number for a table; empty if the number is absent or not finite.
@@ -226,7 +210,7 @@ void RungCache::save(const SearchCost& search, const Fingerprint& fingerprint) c
 }
 
 void RungCache::write(const std::string& name, const std::string& text) const {
-  replace(folder_ / name, text.data(), text.size());
+  io::replace_file(folder_ / name, text);
 }
 
 void RungCache::remove(const std::string& name) const {

@@ -132,7 +132,7 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
     options.quantities = request.study.quantities;
     const auto read = [&](std::vector<std::string> changes) {
       changes.insert(changes.begin(), request.overrides.begin(), request.overrides.end());
-      return read_scene(world(), request.scene, changes).scene;
+      return parse_scene(world(), file.text, request.scene, changes);
     };
     return batch::run_batch(world(), scene, read, out, options, console);
   }

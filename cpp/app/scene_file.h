@@ -16,6 +16,11 @@ struct SceneFile {
   std::filesystem::path run_folder;
 };
 
+/// Parses the text of a scene file on all ranks; the files that it names are read on rank 0. `overrides`:
+/// arguments `key.path=value` of --set. Throws UserError. Collective.
+scene::Scene parse_scene(MPI_Comm comm, const std::string& text, const std::filesystem::path& file,
+                         const std::vector<std::string>& overrides);
+
 /// Reads a scene file on rank 0 and parses it on all ranks, since ranks with different scenes would deadlock.
 /// `overrides`: arguments `key.path=value` of --set. Throws UserError. Collective.
 SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,

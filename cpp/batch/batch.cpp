@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/batch.h"
+#include "accuracy/fingerprint.h"
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/signals.h"
 #include "batch/blocks.h"
-#include "io/manifest.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace signorini::batch {
 namespace {
@@ -34,13 +34,13 @@ void require_fixed(const scene::Scene& scene) {
 }
 
 /// Reads the scenes of the cases. Throws UserError if none is valid. Collective.
-std::vector<Case> read_all(const scene::CaseTable& table, const scene::Scene& own, const ReadScene& read) {
+std::vector<Case> read_all(const scene::CaseTable& table, const scene::Scene& own, const ParseScene& parse) {
   std::vector<Case> cases(table.rows.size());
   for (std::size_t i = 0; i < cases.size(); ++i)
     try {
-      scene::Scene scene = read(table.overrides(i));
+      scene::Scene scene = parse(table.overrides(i));
       require_fixed(scene);
-      if (scene.given == own.given || std::ranges::find(scene.given, "solver.memory") == scene.given.end())
+      if (std::ranges::find(table.keys, "solver.memory") == table.keys.end())
         scene.solver.memory = own.solver.memory; // its default is the machine's
       cases[i].scene = std::move(scene);
     } catch (const UserError& error) {
@@ -51,11 +51,13 @@ std::vector<Case> read_all(const scene::CaseTable& table, const scene::Scene& ow
   return cases;
 }
 
-/// Digest of all that determines an outcome besides its row in the table.
+/// Digest of all that determines an outcome besides its row in the table. Rank 0, before the first solver.
 std::string origin(const scene::Scene& scene, const scene::CaseTable& table, const Options& options) {
   constexpr int space = 3;
   Digest digest;
-  digest.add(scene::echo(scene, space)).add(scene.digest_of_series).add(io::versions().dump());
+  digest.add(scene::echo(scene, space));
+  for (const auto& [name, value] : accuracy::inputs(scene))
+    digest.add(name + "\n" + value + "\n");
   for (const std::vector<std::string>& names : {table.keys, options.quantities})
     for (const std::string& name : names)
       digest.add(name + "\n");
@@ -74,13 +76,13 @@ std::pair<std::size_t, std::size_t> range(std::size_t cases, const std::optional
 
 } // namespace
 
-int run_batch(MPI_Comm comm, const scene::Scene& scene, const ReadScene& read,
+int run_batch(MPI_Comm comm, const scene::Scene& scene, const ParseScene& parse,
               const std::filesystem::path& given_out, const Options& options, const Console& console) {
   const Elapsed elapsed(comm);
   require_fixed(scene);
   (void)case_quantities(scene, options.quantities, 2); // reports a wrong name before any mesh is read
   const scene::CaseTable table = read_table(comm, options.cases);
-  const std::vector<Case> cases = read_all(table, scene, read);
+  const std::vector<Case> cases = read_all(table, scene, parse);
   const std::filesystem::path out =
       options.shard ? given_out / fmt::format("shard-{}-of-{}", options.shard->index, options.shard->count)
                     : given_out;

@@ -16,14 +16,14 @@ struct Options {
   int together = 16;                   ///< largest number of motions whose solves are made together
 };
 
-/// Reads the scene with these changes (`key.path=value`). Throws UserError.
-using ReadScene = std::function<scene::Scene(const std::vector<std::string>& overrides)>;
+/// Parses the scene with these changes (`key.path=value`). Throws UserError. Collective.
+using ParseScene = std::function<scene::Scene(const std::vector<std::string>& overrides)>;
 
 /// Runs the verb batch: computes the motions of all cases of a table and writes their numbers to cases.csv in
 /// `out`. Each rank computes cases of its own, in blocks that share a factorisation. A case that fails has a
 /// row with its reason. Returns the exit status: 130 if interrupted, with the outcomes so far written; 3 if
 /// every case failed. Throws UserError. Collective.
-int run_batch(MPI_Comm comm, const scene::Scene& scene, const ReadScene& read,
+int run_batch(MPI_Comm comm, const scene::Scene& scene, const ParseScene& parse,
               const std::filesystem::path& out, const Options& options, const Console& console);
 
 } // namespace signorini::batch

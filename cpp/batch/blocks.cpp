@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/blocks.h"
 #include "base/error.h"
+#include "problem/operators_key.h"
+#include "step/united.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
@@ -23,26 +25,6 @@ std::string mesh_of(const scene::Scene& scene) {
                      mesh.model ? static_cast<int>(*mesh.model) : -1,
                      contact::virtual_nodes(scene.contacts, space, false).size());
 }
-
-/// Scope in which the solves of several motions are made together.
-class Together {
-public:
-  Together(const problem::Problem& problem, Lockstep& lockstep)
-      : problem_(problem), solver_(problem.grid.equal() && problem.stepper.unite(tau(), &lockstep)) {}
-  ~Together() {
-    if (solver_)
-      (void)problem_.stepper.unite(tau(), nullptr);
-  }
-  Together(const Together&) = delete;
-  Together& operator=(const Together&) = delete;
-  /// Whether the solver does that.
-  explicit operator bool() const { return solver_; }
-
-private:
-  [[nodiscard]] double tau() const { return problem_.stepper.first_length(); }
-  const problem::Problem& problem_;
-  bool solver_;
-};
 
 } // namespace
 
@@ -103,7 +85,10 @@ std::vector<Outcome> BlockRunner::run(const Block& block) {
     }
   if (tasks.empty())
     return outcomes;
-  if (const Together together(leader_->problem(), lockstep_); together)
+  std::optional<step::United> united;
+  if (const problem::Problem& problem = leader_->problem(); problem.grid.equal())
+    united.emplace(problem.stepper, problem.stepper.first_length(), lockstep_);
+  if (united && united->solves())
     lockstep_.run(tasks);
   else
     for (const std::function<void()>& task : tasks)

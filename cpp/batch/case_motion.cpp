@@ -1,34 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/case_motion.h"
 #include "base/error.h"
-#include "base/text.h"
 #include <algorithm>
-#include <fmt/format.h>
 
 namespace signorini::batch {
 
 std::vector<accuracy::Quantity> case_quantities(const scene::Scene& scene,
                                                 const std::vector<std::string>& names, int dim) {
-  std::vector<accuracy::Quantity> all = accuracy::quantities(scene, dim), wanted;
+  std::vector<accuracy::Quantity> all = accuracy::quantities(scene, dim);
   std::erase_if(all, &accuracy::Quantity::field);
-  if (names.empty()) {
-    std::ranges::copy_if(all, std::back_inserter(wanted), [](const accuracy::Quantity& one) {
-      return one.name != "energy_loss" && one.name != accuracy::of_stress;
-    });
-    return wanted;
-  }
-  std::vector<std::string> allowed;
-  for (const accuracy::Quantity& one : all)
-    allowed.push_back(one.name);
-  for (const std::string& name : names) {
-    const auto found = std::ranges::find(all, name, &accuracy::Quantity::name);
-    if (found == all.end())
-      throw UserError(fmt::format("--quantity: found \"{}\"{}; numbers of this scene: {}", name,
-                                  suggestion(name, allowed), list(allowed)));
-    if (std::ranges::find(wanted, name, &accuracy::Quantity::name) == wanted.end())
-      wanted.push_back(*found);
-  }
-  return wanted;
+  if (!names.empty())
+    return accuracy::named(all, names, "numbers");
+  std::erase_if(all, [](const accuracy::Quantity& one) {
+    return one.name == "energy_loss" || one.name == accuracy::of_stress;
+  });
+  return all;
 }
 
 CaseMotion::CaseMotion(std::shared_ptr<const problem::SpaceDiscretisation> discretisation,

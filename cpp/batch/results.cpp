@@ -2,6 +2,7 @@
 #include "batch/results.h"
 #include "base/error.h"
 #include "io/manifest.h"
+#include "io/output_folder.h"
 #include "scene/csv.h"
 #include <algorithm>
 #include <cmath>
@@ -37,13 +38,6 @@ std::vector<std::string> columns(const std::vector<std::optional<Outcome>>& outc
         if (std::ranges::find(names, name) == names.end())
           names.push_back(name);
   return names;
-}
-
-std::string unquoted(std::string_view cell) {
-  std::string text(cell);
-  for (std::size_t at = text.find("\"\""); at != std::string::npos; at = text.find("\"\"", at + 1))
-    text.erase(at, 1);
-  return text;
 }
 
 } // namespace
@@ -107,7 +101,7 @@ std::size_t Results::take(const std::filesystem::path& folder) {
   scene::csv::for_each_line(text, [&](std::string_view line, int) {
     std::vector<std::string> cells;
     for (const std::string_view cell : scene::csv::cells(line, ','))
-      cells.push_back(unquoted(cell));
+      cells.push_back(scene::csv::unescaped(cell));
     if (header.empty()) {
       header = cells;
       return true;
@@ -133,20 +127,20 @@ std::string Results::table_text() const {
   const std::vector<std::string> names = columns(outcomes_);
   std::string text = "case";
   for (const std::string& key : table_.keys)
-    text += "," + scene::csv_cell(key);
+    text += "," + scene::csv::cell(key);
   text += ",outcome,reason,steps";
   for (const std::string& name : names)
-    text += "," + scene::csv_cell(name);
+    text += "," + scene::csv::cell(name);
   text += '\n';
   for (std::size_t i = 0; i < outcomes_.size(); ++i) {
     if (!outcomes_[i])
       continue;
     const Outcome& outcome = *outcomes_[i];
-    text += scene::csv_cell(table_.rows[i].name);
+    text += scene::csv::cell(table_.rows[i].name);
     for (const std::string& value : table_.rows[i].values)
-      text += "," + scene::csv_cell(value);
+      text += "," + scene::csv::cell(value);
     text += fmt::format(",{},{},{}", outcome.reason.empty() ? done : failed_word,
-                        scene::csv_cell(outcome.reason), outcome.steps);
+                        scene::csv::cell(outcome.reason), outcome.steps);
     for (const std::string& name : names) {
       const auto found = std::ranges::find(outcome.numbers, name, &Numbers::value_type::first);
       text += ',';
@@ -179,24 +173,9 @@ void Results::write(double seconds, const std::vector<std::size_t>& blocks) cons
   json["versions"] = io::versions();
   json["files"] = file_names;
   if (dim_)
-    replace(scene_file, scene::echo(scene_, *dim_));
-  replace(table_file, table_text());
-  replace(manifest_file, io::lines(json));
-}
-
-void Results::replace(const std::string& name, const std::string& text) const {
-  const std::filesystem::path file = folder_ / name, partial = file.string() + ".partial";
-  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  std::error_code error;
-  if (out)
-    std::filesystem::rename(partial, file, error);
-  if (!out || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    throw OutputFailure(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
-  }
+    io::replace_file(folder_ / scene_file, scene::echo(scene_, *dim_));
+  io::replace_file(folder_ / table_file, table_text());
+  io::replace_file(folder_ / manifest_file, io::lines(json));
 }
 
 std::string packed(const std::vector<std::pair<std::size_t, Outcome>>& outcomes) {

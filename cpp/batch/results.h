@@ -46,7 +46,6 @@ public:
 private:
   std::size_t take(const std::filesystem::path& folder);
   [[nodiscard]] std::string table_text() const;
-  void replace(const std::string& name, const std::string& text) const;
 
   std::filesystem::path folder_;
   io::FolderLock lock_;

@@ -191,6 +191,22 @@ void complete_publication(const fs::path& folder) {
 
 } // namespace
 
+void replace_file(const fs::path& file, std::string_view content) {
+  fs::path partial = file;
+  partial += ".partial";
+  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  out.close();
+  std::error_code error;
+  if (out)
+    fs::rename(partial, file, error);
+  if (!out || error) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw OutputFailure(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
+  }
+}
+
 void synchronise(const fs::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool done = file >= 0 && fsync(file) == 0;

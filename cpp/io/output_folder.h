@@ -14,6 +14,10 @@ namespace signorini::io {
 /// Flushes a file, or the entries of a folder, to the disk. Throws std::filesystem::filesystem_error.
 void synchronise(const std::filesystem::path& path);
 
+/// Replaces a file of a results' folder as a whole: an interruption leaves the old file or the new one.
+/// Throws OutputFailure.
+void replace_file(const std::filesystem::path& file, std::string_view content);
+
 /// Output folder of a run. Files are written into a hidden folder inside the output folder; publish() moves
 /// them out together at the end. Thus no incomplete file appears, and a failed run leaves the earlier files
 /// unchanged.

@@ -87,14 +87,14 @@ void LaneProduct::unite(Lockstep* lockstep) {
   lockstep_ = size_ > 0 ? lockstep : nullptr;
 }
 
-void LaneProduct::multiply(Vec x, Vec w, Vec r) {
-  if (lockstep_ && lockstep_->inside()) {
+void LaneProduct::multiply(Mat R, Vec x, Vec w, Vec r) {
+  if (R == *R_ && lockstep_ && lockstep_->inside()) {
     Asked asked(*this, x, w, r);
     lockstep_->wait(asked);
     return;
   }
   check(MatMult(M_, w, r));
-  check(MatMultAdd(*R_, x, r, r));
+  check(MatMultAdd(R, x, r, r));
 }
 
 void LaneProduct::make(std::span<SharedSolve* const> all) {

@@ -20,10 +20,10 @@ public:
   /// matrices, if they are of a kind (SBAIJ, MAIJ) for which that is possible.
   void unite(Lockstep* lockstep);
 
-  /// r ← R x + M w; no two of them are the same vector. Tasks of the lockstep wait for each other.
-  void multiply(Vec x, Vec w, Vec r);
+  /// r ← R x + M w; no two of them are the same vector. Tasks of the lockstep wait for each other if R is the
+  /// matrix of this object; with other matrices R each makes its own product. Collective.
+  void multiply(Mat R, Vec x, Vec w, Vec r);
 
-  [[nodiscard]] Mat R() const { return *R_; }
   /// Memory of the copies, bytes.
   [[nodiscard]] std::size_t bytes() const;
 

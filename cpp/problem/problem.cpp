@@ -7,6 +7,7 @@
 #include "control/interpolation.h"
 #include "io/field_reader.h"
 #include "io/stored_control.h"
+#include "problem/operators_key.h"
 #include "problem/static_start.h"
 #include "scene/targets.h"
 #include "trajectory/step_control.h"
@@ -33,18 +34,6 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene, const mesh::Meshi
   if (scene.objective && scene.objective->on)
     (void)mesh.group_dimension(*scene.objective->on, "objective.on");
   return mesh;
-}
-
-/// Whether a simulation of the scene applies a control.
-bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
-
-/// Whether a load, control or objective is a density in the body, which needs the matrix W.
-bool has_densities(const scene::Scene& scene, step::Stepper::Needs needs) {
-  const bool optimal_control = needs.derivatives || scene.objective.has_value();
-  const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
-  return (scene.load && scene.load->body) ||
-         (controlled && !scene.control->on && scene.control->space == scene::ControlValues::nodal) ||
-         (optimal_control && scene.objective && !scene.objective->on && !scene.objective->obstacle);
 }
 
 using Displacements = std::unique_ptr<const step::Displacements>;
@@ -240,38 +229,6 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
     start_in_equilibrium(stepper, operators, s, scene_load ? &*scene_load : nullptr, initial.y());
   if (!s.output.probes.empty())
     probes.emplace(stepper, s);
-}
-
-std::string operators_key(const scene::Scene& scene, step::Stepper::Needs needs) {
-  scene::Scene body = scene;
-  body.load = {};
-  body.initial = {};
-  body.control = {};
-  body.objective = {};
-  body.unknowns = {};
-  body.measurements = {};
-  body.optimizer = {};
-  body.check = {};
-  body.exact = {};
-  body.run = {};
-  body.output = {};
-  body.trajectory = {};
-  for (scene::Contact& contact : body.contacts) {
-    if (contact.obstacle && !contact.rigid)
-      contact.obstacle = scene::HalfSpace{};
-    if (contact.friction != scene::Expression(0))
-      contact.friction = 1.0;
-    if (contact.bound)
-      contact.bound = scene::FrictionBound{1.0};
-    contact.surface_velocity = {};
-    contact.initial = {};
-    if (contact.rigid) {
-      contact.rigid->velocity = {};
-      contact.rigid->force = {};
-    }
-  }
-  return fmt::format("{}\n{} {} {} {}", scene::echo(body, 3), has_densities(scene, needs), needs.derivatives,
-                     needs.passes, needs.iterative);
 }
 
 long Problem::free_dofs() const {

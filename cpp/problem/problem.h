@@ -18,10 +18,6 @@ struct SpaceDiscretisation {
   fem::Space space;
 };
 
-/// Text of all of a scene that determines operators, D and its solver: problems of scenes with the same text
-/// may share them.
-std::string operators_key(const scene::Scene& scene, step::Stepper::Needs needs);
-
 /// A scene set up for simulation: discretisation, matrices, time stepper, initial state and loads.
 struct Problem {
   /// Sets up the problem of a scene on a discretisation of its own. Throws UserError, SolverFailure,

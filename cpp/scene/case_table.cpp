@@ -13,17 +13,6 @@ namespace {
 
 constexpr const char* name_column = "name";
 
-/// Returns a cell without the doubling of quotes within quoted cells.
-std::string unescaped(std::string_view cell) {
-  std::string text;
-  for (std::size_t i = 0; i < cell.size(); ++i) {
-    text += cell[i];
-    if (cell[i] == '"' && i + 1 < cell.size() && cell[i + 1] == '"')
-      ++i;
-  }
-  return text;
-}
-
 std::vector<std::string> columns_of(const std::vector<std::string_view>& names, int line) {
   std::vector<std::string> columns;
   for (const std::string_view name : names) {
@@ -79,9 +68,9 @@ CaseTable read_cases(const std::string& text) {
     CaseRow row{.name = std::to_string(table.rows.size() + 1), .line = number, .values = {}};
     for (std::size_t j = 0; j < cells.size(); ++j) {
       if (names == j)
-        row.name = unescaped(cells[j]);
+        row.name = csv::unescaped(cells[j]);
       else
-        row.values.push_back(unescaped(cells[j]));
+        row.values.push_back(csv::unescaped(cells[j]));
     }
     if (row.name.empty())
       throw UserError(
@@ -95,18 +84,6 @@ CaseTable read_cases(const std::string& text) {
   if (table.rows.empty())
     throw UserError("found no cases; expected a line of keys, and a line of values for each case");
   return table;
-}
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",;\t\"\r\n") == std::string::npos)
-    return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"')
-      quoted += '"';
-    quoted += c == '\n' || c == '\r' ? ' ' : c; // a row is a line
-  }
-  return quoted + '"';
 }
 
 } // namespace signorini::scene

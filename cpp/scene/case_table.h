@@ -26,7 +26,4 @@ struct CaseTable {
 /// they contain the separator. Throws UserError naming line or column.
 CaseTable read_cases(const std::string& text);
 
-/// Returns a text as a cell of a CSV table, in quotes if necessary.
-std::string csv_cell(const std::string& text);
-
 } // namespace signorini::scene

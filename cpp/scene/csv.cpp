@@ -48,6 +48,28 @@ std::vector<std::string_view> csv::cells(std::string_view line, char separator) 
   return found;
 }
 
+std::string csv::unescaped(std::string_view cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    text += cell[i];
+    if (cell[i] == '"' && i + 1 < cell.size() && cell[i + 1] == '"')
+      ++i;
+  }
+  return text;
+}
+
+std::string csv::cell(const std::string& text) {
+  if (text.find_first_of(",;\t\"\r\n") == std::string::npos)
+    return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"')
+      quoted += '"';
+    quoted += c == '\n' || c == '\r' ? ' ' : c; // a row is a line
+  }
+  return quoted + '"';
+}
+
 char csv::separator(std::string_view names) {
   char found = ',';
   outside_quotes(names, [&](char c, std::size_t) {

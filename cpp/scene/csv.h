@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +12,11 @@ std::string_view trimmed(std::string_view text);
 
 /// Splits a line into cells, and strips blanks and quotes around each cell.
 std::vector<std::string_view> cells(std::string_view line, char separator);
+
+/// Returns one of cells() without the doubling of quotes within quoted cells.
+std::string unescaped(std::string_view cell);
+/// Returns a text as a cell of a table, on one line and in quotes if necessary.
+std::string cell(const std::string& text);
 
 /// Separator of cells, from the line of column names: a tab if there is one, else a semicolon, else a comma.
 /// Tabs and semicolons take precedence, since names may contain commas.

@@ -177,12 +177,7 @@ void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functiona
       petsc::combine(work.work, a, z, b / *rho, source.density);
     else
       check(VecAXPBY(work.work, a, 0, z));
-    if (R == product_->R()) {
-      product_->multiply(x, work.work, work.r);
-    } else {
-      check(MatMult(M(), work.work, work.r));
-      check(MatMultAdd(R, x, work.r, work.r));
-    }
+    product_->multiply(R, x, work.work, work.r);
   }
   if (source.vector)
     check(VecAXPY(work.r, b, source.vector));

@@ -52,6 +52,7 @@ StepOperators::PerStepLength StepOperators::make(double tau) const {
     made.shared_R = known.shared_R;
     made.shared_whole_D = known.shared_whole_D;
     made.clamped_diagonal = known.clamped_diagonal;
+    made.bytes = known.bytes; // which it keeps alive
     made.solver =
         std::make_unique<SolverChoice>(*known.solver, pairs_, same_rows_, scene_, residual(tau, made.R()));
     return made;

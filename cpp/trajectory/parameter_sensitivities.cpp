@@ -1,28 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "trajectory/parameter_sensitivities.h"
+#include "step/united.h"
 #include <algorithm>
 
 namespace signorini::trajectory {
 using petsc::check;
-
-namespace {
-
-/// Scope in which the solves of steps of one length are made together.
-class United {
-public:
-  United(const step::Stepper& stepper, double tau, Lockstep& lockstep) : stepper_(stepper), tau_(tau) {
-    (void)stepper.unite(tau, &lockstep);
-  }
-  ~United() { (void)stepper_.unite(tau_, nullptr); }
-  United(const United&) = delete;
-  United& operator=(const United&) = delete;
-
-private:
-  const step::Stepper& stepper_;
-  double tau_;
-};
-
-} // namespace
 
 ParameterSensitivities::Scratch::Scratch(const step::Stepper& stepper)
     : work(stepper.workspace()), from(stepper.state()), source(stepper.space().vector()),
@@ -59,7 +41,7 @@ void ParameterSensitivities::observe(const Frame& frame) {
   std::vector<std::function<void()>> steps;
   for (std::size_t j = 0; j < motions_.size(); ++j)
     steps.emplace_back([this, &frame, j] { step(frame, j, scratch_[j]); });
-  const United united(stepper_, frame.step.scheme().tau, lockstep_);
+  const step::United united(stepper_, frame.step.scheme().tau, lockstep_);
   lockstep_.run(steps);
 }
 

@@ -4,7 +4,7 @@
 //
 // usage: signorini-bench-blocks SCENE REPEATS [key.path=value …]    prints one JSON object
 #include "bench.h"
-#include "linalg/lockstep.h"
+#include "step/united.h"
 
 using namespace signorini;
 
@@ -50,9 +50,10 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     double seconds = infinity;
     for (int repeat = 0; repeat < repeats; ++repeat) {
       watch.lap();
-      (void)problem.stepper.unite(tau, &lockstep);
-      lockstep.run(tasks);
-      (void)problem.stepper.unite(tau, nullptr);
+      {
+        const step::United united(problem.stepper, tau, lockstep);
+        lockstep.run(tasks);
+      }
       const double all = watch.lap();
       if (repeat > 0 || repeats == 1) // the first one copies matrices
         seconds = std::min(seconds, all / static_cast<double>(count));

@@ -114,7 +114,7 @@ TEST_CASE("products made together do not depend on their number, order and threa
   const auto multiply = [&](const std::vector<std::size_t>& which) {
     std::vector<std::function<void()>> tasks;
     for (const std::size_t i : which)
-      tasks.emplace_back([&, i] { product.multiply(x[i], w[i], r[i]); });
+      tasks.emplace_back([&, i] { product.multiply(*R, x[i], w[i], r[i]); });
     product.unite(&lockstep);
     lockstep.run(tasks);
     product.unite(nullptr);
@@ -127,7 +127,7 @@ TEST_CASE("products made together do not depend on their number, order and threa
   bool differs = false;
   for (std::size_t i = 0; i < most; ++i) {
     together.push_back(values(r[i]));
-    product.multiply(x[i], w[i], alone);
+    product.multiply(*R, x[i], w[i], alone);
     CHECK(test::difference(alone, r[i]) < 1e-13 * test::largest(alone));
     differs = differs || values(alone) != together.back();
   }
