@@ -150,6 +150,8 @@ void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
 } // namespace
 
 std::string not_estimated(const scene::Scene& scene) {
+  if (!scene.scenarios.empty())
+    return "[[scenario]], since the error estimate is that of one motion";
   if (scene.relaxes())
     return "material.prony, since the error estimate does not include relaxation";
   if (scene.rigid())

@@ -92,11 +92,6 @@ void ReducedProblem::simulate(const Variables& v) {
   run(*trial_);
 }
 
-double ReducedProblem::value(const Variables& v) {
-  simulate(v);
-  return trial_->value.total();
-}
-
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
@@ -321,7 +316,7 @@ Control ReducedProblem::l2_hessian_product(const Control& d) {
 
 Variables ReducedProblem::hessian_product(const Variables& d) {
   if (!models_) {
-    Control h = l2_hessian_product(d.u);
+    Control h = ReducedProblem::l2_hessian_product(d.u); // of the motion of this object alone
     controls_->to_inner(h);
     return h;
   }

@@ -30,8 +30,9 @@ struct Model {
 /// gradient and Hessian product (docs/method.md sections 4 and 9). A search varies a control u, the
 /// parameters x of a scene (θ or log θ), or both. J is the control's objective, the misfit of the
 /// measurements, or their sum. Stores the trajectories of the current point and of a trial; a rejected trial
-/// changes nothing. With parameters, every trial has its own model and factorisation. All members are
-/// collective; members that compute throw WriteFailure if storing states fails.
+/// changes nothing. With parameters, every trial has its own model and factorisation. Virtual members are
+/// those of J over several scenarios (ScenarioProblem); the others concern the motion of the scene itself.
+/// All members are collective; members that compute throw WriteFailure if storing states fails.
 class ReducedProblem {
 public:
   using Vector = Variables;
@@ -55,37 +56,43 @@ public:
   /// references must outlive this object.
   ReducedProblem(ModelAt models, const Misfit& misfit, const ControlSpace* controls,
                  const Objective* objective, Timers& timers);
+  virtual ~ReducedProblem() = default;
+  ReducedProblem(const ReducedProblem&) = delete;
+  ReducedProblem& operator=(const ReducedProblem&) = delete;
 
   /// Makes v the trial by computing its motion, a forward sweep. Throws Interrupted, SolverFailure. With
   /// parameters, SolverFailure is also thrown if the scene is not valid at v, or if a parameter differs from
   /// the current point by more than one step of the search may change it.
-  void simulate(const Variables& v);
+  virtual void simulate(const Variables& v);
   /// Computes J at v, which becomes the trial as in simulate().
-  [[nodiscard]] double value(const Variables& v);
+  [[nodiscard]] double value(const Variables& v) {
+    simulate(v);
+    return trial_value().total();
+  }
 
   /// Makes the trial the current point.
-  void accept();
+  virtual void accept();
 
   /// Returns the gradient by the control at the current point, as Riesz representative in L2(0,T; L2), by one
   /// adjoint sweep: g_k = α u_k + (τ s/2) p_k where the control acts.
-  Control l2_gradient();
+  virtual Control l2_gradient();
   /// Returns the derivatives dJ/dx by the parameters at the current point.
   std::vector<double> gradient_by_parameters();
 
   /// Returns the gradient at the current point, as Riesz representative in inner().
-  Variables gradient();
+  virtual Variables gradient();
   /// Returns the gradient at the trial, as Riesz representative in inner().
-  Variables trial_gradient();
+  virtual Variables trial_gradient();
 
   /// Returns the Hessian product H d at the current control with frozen active sets, as Riesz representative
   /// in L2(0,T; L2), by one linearised and one adjoint sweep. Not available with parameters. Throws
   /// Interrupted.
-  Control l2_hessian_product(const Control& d);
+  virtual Control l2_hessian_product(const Control& d);
   /// Returns the Hessian product H d at the current point, as Riesz representative in inner(). With
   /// parameters it is a difference quotient of two gradients. Their distance is 1e-5 times the norm of the
   /// current point in inner(), or 1e-5 at zero. About five digits are correct if no active set changes over
   /// this distance.
-  Variables hessian_product(const Variables& d);
+  virtual Variables hessian_product(const Variables& d);
 
   /// Computes the residuals r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each
   /// parameter. Throws UserError if the scene is not valid at v, SolverFailure, Interrupted.
@@ -108,10 +115,10 @@ public:
   struct OneSided {
     petsc::Pairing by_motion{};
     double by_gradient = 0;
-    std::vector<contact::ContactLinearisation> contact{}; ///< contact of the steps, with C_k as active sets
+    std::vector<contact::ContactLinearisation> contact{}; ///< as contact(), with C_k as active sets
   };
   /// Computes the one-sided derivative J'(u; d) at the current control u. Throws Interrupted.
-  OneSided one_sided_slope(const Control& d);
+  virtual OneSided one_sided_slope(const Control& d);
 
   /// Returns S'(u)* w for duals w_1…w_N of the states (`dual`), as Riesz representative in L2(0,T; L2).
   Control adjoint(const step::DualAtStep& dual);
@@ -129,9 +136,17 @@ public:
   /// Returns the variables at the current point.
   [[nodiscard]] const Variables& variables() const { return current_->v; }
   [[nodiscard]] const Control& control() const { return current_->v.u; }
-  [[nodiscard]] const ObjectiveValue& value() const { return current_->value; }
+  [[nodiscard]] virtual const ObjectiveValue& value() const { return current_->value; }
+  /// Returns the value of J at the trial.
+  [[nodiscard]] virtual const ObjectiveValue& trial_value() const { return trial_->value; }
   [[nodiscard]] const trajectory::Trajectory& trajectory() const { return current_->trajectory; }
   [[nodiscard]] const trajectory::Trajectory& trial_trajectory() const { return trial_->trajectory; }
+  /// Contact in the steps 0…N of a motion; with scenarios, of one motion after another.
+  using ContactHistory = std::vector<contact::ContactLinearisation>;
+  /// Returns contact at the current point.
+  [[nodiscard]] virtual ContactHistory contact() const { return current_->trajectory.contact(); }
+  /// Returns contact at the trial.
+  [[nodiscard]] virtual ContactHistory trial_contact() const { return trial_->trajectory.contact(); }
   /// Returns the squared distances ‖y_k − y_d,k‖² at the current point (N + 1), as Objective::observe()
   /// stores them.
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
@@ -141,9 +156,9 @@ public:
   /// one more adjoint sweep, which is not counted.
   void adjoint_states(const AdjointObserver& visit);
   /// Returns the numbers of sweeps so far.
-  [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
+  [[nodiscard]] virtual Sweeps sweeps() const { return sweeps_; }
   /// Sets the numbers of sweeps so far, when a search is resumed.
-  void restore_sweeps(Sweeps sweeps) { sweeps_ = sweeps; }
+  virtual void restore_sweeps(Sweeps sweeps) { sweeps_ = sweeps; }
   /// Returns the force of the loads and of the current control; valid until another point is accepted.
   [[nodiscard]] step::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return *controls_; }

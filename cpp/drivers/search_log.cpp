@@ -5,30 +5,36 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
+#include <tuple>
 
 namespace signorini::drivers {
 
 io::Kink describe(control::ReducedProblem& reduced,
                   const optimize::Certificate<control::Variables>& certificate) {
   const auto sweeps = reduced.sweeps();
-  using Where = std::pair<int, int>;                  // step, candidate
+  using Where = std::tuple<std::size_t, int, int>;    // motion, step, candidate
   using How = std::pair<bool, contact::Motion>;       // whether it touches, and its motion
   std::map<Where, std::map<How, std::size_t>> closed; // number of points where it moves so
   for (const auto& point : certificate.points) {
     reduced.simulate(*point);
-    const auto& contact = reduced.trial_trajectory().contact();
-    for (std::size_t k = 1; k < contact.size(); ++k)
-      for (std::size_t j = 0; j < contact[k].active.size(); ++j)
-        ++closed[{static_cast<int>(k), contact[k].active[j]}][{contact[k].closed(j), contact[k].motion(j)}];
+    const auto contact = reduced.trial_contact();
+    const std::size_t steps = reduced.trial_trajectory().contact().size();
+    for (std::size_t n = 0; n < contact.size(); ++n)
+      for (std::size_t j = 0; j < contact[n].active.size() && n % steps > 0; ++j)
+        ++closed[{n / steps, static_cast<int>(n % steps), contact[n].active[j]}]
+                [{contact[n].closed(j), contact[n].motion(j)}];
   }
   reduced.restore_sweeps(sweeps);
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()), {}};
   for (const auto& [where, motions] : closed)
     if (motions.begin()->second < certificate.points.size()) {
-      const auto& [k, i] = where;
+      const auto& [motion, k, i] = where;
       const double* x = &reduced.stepper().pairs()->points()[3 * static_cast<std::size_t>(i)];
-      kink.weak.push_back(
-          {k, reduced.controls().grid().time(k), i, {x, x + reduced.stepper().space().dim()}});
+      kink.weak.push_back({static_cast<int>(motion),
+                           k,
+                           reduced.controls().grid().time(k),
+                           i,
+                           {x, x + reduced.stepper().space().dim()}});
     }
   return kink;
 }
@@ -36,23 +42,25 @@ io::Kink describe(control::ReducedProblem& reduced,
 std::vector<double> numbers(const io::Kink& kink) {
   std::vector<double> all{kink.length, kink.radius, static_cast<double>(kink.gradients)};
   for (const io::WeakContact& weak : kink.weak) {
-    all.insert(all.end(), {static_cast<double>(weak.step), weak.time, static_cast<double>(weak.candidate)});
+    all.insert(all.end(), {static_cast<double>(weak.motion), static_cast<double>(weak.step), weak.time,
+                           static_cast<double>(weak.candidate)});
     all.insert(all.end(), weak.x.begin(), weak.x.end());
   }
   return all;
 }
 
 std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim) {
-  constexpr std::size_t head = 3; // entries of the kink, and of each candidate before its point
-  const std::size_t each = head + static_cast<std::size_t>(dim);
+  constexpr std::size_t head = 3, before = 4; // entries of the kink, and of a candidate before its point
+  const std::size_t each = before + static_cast<std::size_t>(dim);
   if (numbers.size() < head || (numbers.size() - head) % each != 0)
     return std::nullopt;
   io::Kink kink{numbers[0], numbers[1], static_cast<int>(numbers[2]), {}};
   for (auto n = numbers.begin() + head; n != numbers.end(); n += static_cast<std::ptrdiff_t>(each))
     kink.weak.push_back({static_cast<int>(n[0]),
-                         n[1],
-                         static_cast<int>(n[2]),
-                         {n + head, n + static_cast<std::ptrdiff_t>(each)}});
+                         static_cast<int>(n[1]),
+                         n[2],
+                         static_cast<int>(n[3]),
+                         {n + before, n + static_cast<std::ptrdiff_t>(each)}});
   return kink;
 }
 

@@ -5,6 +5,7 @@
 #include "drivers/fit_outcome.h"
 #include "drivers/motion_writer.h"
 #include "drivers/run_manifest.h"
+#include "problem/scenarios.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -172,9 +173,34 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
                      *subject.scene.optimizer.tolerance * end.first_norm, cost);
 }
 
+/// Returns the scenarios at the control that was found, in the order of the scene; empty without scenarios.
+std::vector<io::ScenarioResult> scenario_results(const SearchSubject& subject) {
+  std::vector<io::ScenarioResult> results;
+  const auto* reduced = dynamic_cast<const control::ScenarioProblem*>(&subject.reduced);
+  if (!reduced)
+    return results;
+  const std::vector<control::ObjectiveValue> values = reduced->values();
+  for (std::size_t i = 0; i < subject.scene.scenarios.size(); ++i) {
+    const std::size_t s = subject.control->scenarios->number(i);
+    results.push_back({.name = subject.scene.scenarios[i].name,
+                       .weight = reduced->weights()[s],
+                       .share = reduced->shares()[s],
+                       .value = values[s]});
+  }
+  return results;
+}
+
+/// Line with the range of J over the scenarios.
+std::string scenarios_line(const std::vector<io::ScenarioResult>& results) {
+  const auto of = [](const io::ScenarioResult& one) { return one.value.total(); };
+  const auto [least, most] = std::ranges::minmax_element(results, {}, of);
+  return fmt::format("J of the scenarios: {:.6e} ({}) to {:.6e} ({})", of(*least), least->name, of(*most),
+                     most->name);
+}
+
 /// Writes the tables of a search, and its scene.
 void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const SearchLog& log,
-                  const std::optional<io::Fit>& fit) {
+                  const std::optional<io::Fit>& fit, const std::vector<io::ScenarioResult>& scenarios) {
   const scene::Output& output = subject.scene.output;
   if (output.table(scene::StoredTable::history))
     folder.write("history.csv", log.history().table());
@@ -182,6 +208,8 @@ void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const 
     folder.write("parameters.csv", io::parameters_table(*fit));
   if (fit && output.table(scene::StoredTable::measurements))
     folder.write("measurements.csv", io::measurements_table(*fit));
+  if (!scenarios.empty() && output.table(scene::StoredTable::scenarios))
+    folder.write("scenarios.csv", io::scenarios_table(scenarios));
   folder.write("scene.toml", scene::echo(subject.scene, subject.discretisation.space.dim()));
 }
 
@@ -222,7 +250,8 @@ void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, cons
   std::optional<io::Fit> fit;
   if (subject.parameters)
     fit = fitted(subject, log, end, std::move(simulated));
-  write_tables(folder, subject, log, fit);
+  std::vector<io::ScenarioResult> scenarios = scenario_results(subject);
+  write_tables(folder, subject, log, fit, scenarios);
   console.line("stopped: " + words(end.stop, end) + continuation(end.stop, subject));
   const bool failed = end.stop == optimize::Stop::solver_failed || end.stop == optimize::Stop::no_decrease;
   if (failed && !end.failure.empty())
@@ -239,9 +268,12 @@ void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, cons
     add_warning(m, misfit_warning(*fit), console);
   add_search(m, subject, log, end, console);
   m.fit = std::move(fit);
+  m.scenarios = scenarios;
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, subject.scene, problem.timers));
   console.line(end_line(subject, log, end));
+  if (!scenarios.empty())
+    console.line(scenarios_line(scenarios));
   if (subject.problem && !subject.parameters)
     console.line(storage_line(problem, *subject.control));
   finish(folder, console);

@@ -54,11 +54,20 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
       {"tracking term", objective && objective->tracking > 0},
       {"terminal term", objective && objective->gamma > 0},
       {"control cost", objective && objective->alpha > 0},
+      {"scenarios", !scene.scenarios.empty()},
       {"stored fields", !scene.output.fields.empty()},
       {"tables", !scene.output.tables.empty()},
       {"probes", !scene.output.probes.empty()},
       {"unknowns", !scene.unknowns.empty()},
       {"measurements", !scene.measurements.empty()}};
+}
+
+std::string scenarios_table(const std::vector<ScenarioResult>& scenarios) {
+  std::string text = "scenario,weight,share,objective,tracking,terminal\n";
+  for (const ScenarioResult& one : scenarios)
+    text += fmt::format("{},{},{},{},{},{}\n", one.name, one.weight, one.share, one.value.total(),
+                        one.value.tracking, one.value.terminal);
+  return text;
 }
 
 nlohmann::ordered_json versions() {
@@ -231,7 +240,8 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)
-      weak.push_back({{"step", contact.step},
+      weak.push_back({{"motion", contact.motion},
+                      {"step", contact.step},
                       {"time", contact.time},
                       {"candidate", contact.candidate},
                       {"node", contact.x}});
@@ -334,6 +344,9 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"tracking", m.objective->tracking},
                          {"terminal", m.objective->terminal},
                          {"control_cost", m.objective->control_cost}};
+  for (const ScenarioResult& one : m.scenarios)
+    json["scenarios"].push_back(
+        {{"name", one.name}, {"weight", one.weight}, {"share", one.share}, {"objective", one.value.total()}});
   add_search(json, m, scene);
   if (m.fit)
     add_fit(json, *m.fit);

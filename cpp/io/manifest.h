@@ -17,9 +17,20 @@
 
 namespace signorini::io {
 
+/// A scenario at the control that a search found: a row of scenarios.csv.
+struct ScenarioResult {
+  std::string name;
+  double weight = 0, share = 0; ///< w_s and q_s of control::ScenarioProblem
+  control::ObjectiveValue value{};
+};
+
+/// Text of scenarios.csv: one row for each scenario.
+std::string scenarios_table(const std::vector<ScenarioResult>& scenarios);
+
 /// A candidate that is weakly active in a step at a kink: in this step it is active at some points of
 /// optimize::Certificate and open at the others.
 struct WeakContact {
+  int motion; ///< 0: of the scene itself; else number of the scenario among those that change it
   int step;
   double time; ///< end of the step, s
   int candidate;
@@ -82,6 +93,7 @@ struct Manifest {
   int dim = 2;
   diagnostics::BodyFigures body;
   std::optional<control::ObjectiveValue> objective;
+  std::vector<ScenarioResult> scenarios{};
   std::optional<diagnostics::EnergyAccount> energy; ///< energy of the stored motion; absent if not computed
   std::optional<diagnostics::Impact> impact;        ///< absent if not computed, or in a scene without contact
   std::optional<diagnostics::LargestStress::Peak> von_mises; ///< absent if no stress is stored

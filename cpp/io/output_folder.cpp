@@ -20,7 +20,7 @@ constexpr std::array file_names{"mesh.msh",         "indicators.csv", "surfaces.
                                 "control.h5",       "adjoint.h5",     "state.xdmf",  "control.xdmf",
                                 "adjoint.xdmf",     "steps.csv",      "contact.csv", "obstacles.csv",
                                 "bodies.csv",       "probes.csv",     "history.csv", "parameters.csv",
-                                "measurements.csv", "scene.toml",     "run.json"};
+                                "measurements.csv", "scenarios.csv",  "scene.toml",  "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
@@ -31,8 +31,8 @@ constexpr const char* checkpoint = "checkpoint.h5";
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
 /// Files that only a search writes, not a simulation.
-constexpr std::array of_search{"history.csv",  "parameters.csv", "measurements.csv", "control.h5",
-                               "control.xdmf", "adjoint.h5",     "adjoint.xdmf"};
+constexpr std::array of_search{"history.csv", "parameters.csv", "measurements.csv", "scenarios.csv",
+                               "control.h5",  "control.xdmf",   "adjoint.h5",       "adjoint.xdmf"};
 
 /// Whether postprocess/ made a file, according to a mark near the file's beginning. In a page the mark is
 /// <meta name="generator" content="signorini report">, in a picture the comment.

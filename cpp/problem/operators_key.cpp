@@ -20,6 +20,7 @@ std::string operators_key(const scene::Scene& scene, step::Stepper::Needs needs)
   body.initial = {};
   body.control = {};
   body.objective = {};
+  body.scenarios = {};
   body.unknowns = {};
   body.measurements = {};
   body.optimizer = {};

@@ -8,6 +8,7 @@
 #include "io/field_reader.h"
 #include "io/stored_control.h"
 #include "problem/operators_key.h"
+#include "problem/scenarios.h"
 #include "problem/static_start.h"
 #include "scene/targets.h"
 #include "trajectory/step_control.h"
@@ -145,7 +146,9 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
 /// kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
   const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
-  const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
+  const double states =
+                   kept ? static_cast<double>(motions(problem.scene)) * state_stores(problem).bytes() : 0,
+               needed = controls.control_bytes() + states,
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
     throw UserError(fmt::format("time.step: found {:.10g} s, which gives {} steps. For these, a control{} "
@@ -220,7 +223,7 @@ Problem::Problem(std::shared_ptr<const SpaceDiscretisation> shared, const scene:
           timed(t, "solver",
                 [&] { return step::Stepper(space, operators, s, needs, like ? &like->stepper : nullptr); })),
       grid(stepper.step_lengths() ? step::TimeGrid(*stepper.step_lengths()) : step::TimeGrid(s.time)),
-      initial(trajectory::initial_state(stepper, s)) {
+      initial(trajectory::initial_state(stepper, s)), needs(needs) {
   if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
   if (step::SceneLoad::acts(s))
@@ -353,24 +356,39 @@ std::optional<Warning> desired_run_spacing_warning(const Problem& problem) {
                  apart / longest, alike};
 }
 
-trajectory::StateStoreFactory state_stores(const Problem& problem) {
+trajectory::StateStoreFactory state_stores(const Problem& problem, std::size_t motions) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
-  return {problem.stepper, problem.grid, problem.scene.trajectory, computed ? 0.5 : 1, problem.timers};
+  return {problem.stepper, problem.grid, problem.scene.trajectory,
+          (computed ? 0.5 : 1) / static_cast<double>(motions), problem.timers};
 }
 
 step::ForceAtStep GivenControl::load() const { return problem_.load(force_.get()); }
 
+namespace {
+
+std::unique_ptr<control::ReducedProblem> reduced_problem(const ControlProblem& of, const Problem& problem) {
+  const control::Model model{.stepper = &problem.stepper,
+                             .initial = &problem.initial,
+                             .storage = &of.storage,
+                             .load = problem.scene_loads()};
+  if (of.scenarios)
+    return of.scenarios->reduced(model);
+  return std::make_unique<control::ReducedProblem>(model, of.controls, of.objective, problem.timers);
+}
+
+} // namespace
+
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.grid, *problem.scene.control),
-      reference(reference_control(problem, controls)), storage(state_stores(problem)),
+      reference(reference_control(problem, controls)), storage(state_stores(problem, motions(problem.scene))),
       desired_storage(state_stores(problem)),
       objective(controls, problem.operators, problem.grid,
                 desired_states(problem, controls, reference, desired_storage, console), problem.scene),
-      reduced({.stepper = &problem.stepper,
-               .initial = &problem.initial,
-               .storage = &storage,
-               .load = problem.scene_loads()},
-              controls, objective, problem.timers) {}
+      scenarios(problem.scene.scenarios.empty() ? nullptr
+                                                : std::make_unique<Scenarios>(problem, controls, objective)),
+      owned(reduced_problem(*this, problem)), reduced(*owned) {}
+
+ControlProblem::~ControlProblem() = default;
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
   return problem::first_guess(controls, *scene.control);

@@ -45,6 +45,7 @@ struct Problem {
   step::State initial;
   std::optional<step::SceneLoad> scene_load;
   std::optional<diagnostics::Probes> probes; ///< absent if the scene has no probes
+  step::Stepper::Needs needs;                ///< requirements with which the solvers were chosen
 
   /// The scene's loads; null if the scene has none.
   [[nodiscard]] const step::SceneLoad* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
@@ -71,8 +72,9 @@ struct Problem {
 
 /// Returns the factory of the stores for the states of motions, as the scene's [trajectory] selects. If the
 /// desired motion is computed from a reference control, the factory may use only half of trajectory.budget:
-/// the other half is for a second factory, for the states of the desired motion.
-[[nodiscard]] trajectory::StateStoreFactory state_stores(const Problem& problem);
+/// the other half is for a second factory, for the states of the desired motion. `motions`: number of
+/// factories that divide the budget.
+[[nodiscard]] trajectory::StateStoreFactory state_stores(const Problem& problem, std::size_t motions = 1);
 
 /// Desired motion of a scene that gives it by expressions or by an earlier run. `keep`: whether to keep all
 /// states in memory. Throws UserError. Collective. `problem` must outlive the result.
@@ -125,6 +127,8 @@ void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console
 void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console);
 
+class Scenarios;
+
 /// Optimal-control problem of a scene: control space, objective, desired motion and reduced problem.
 struct ControlProblem {
   /// Computes the desired states, by a simulation under the reference control if the scene has one. Throws
@@ -132,13 +136,16 @@ struct ControlProblem {
   ControlProblem(const Problem& problem, const Console& console);
   ControlProblem(const ControlProblem&) = delete;
   ControlProblem& operator=(const ControlProblem&) = delete;
+  ~ControlProblem();
 
   control::ControlSpace controls;
   std::optional<control::Control> reference; ///< the reference control; absent if the scene has none
   /// Factories of the stores for the states: of motions under controls, and of the desired motion.
   trajectory::StateStoreFactory storage, desired_storage;
   control::Objective objective;
-  control::ReducedProblem reduced;
+  std::unique_ptr<Scenarios> scenarios; ///< null if the scene has none
+  std::unique_ptr<control::ReducedProblem> owned;
+  control::ReducedProblem& reduced; ///< *owned; with scenarios a control::ScenarioProblem
 
   /// The scene's first guess, clipped to the bounds. Throws UserError. Collective.
   [[nodiscard]] control::Control first_guess(const scene::Scene& scene) const;

@@ -213,9 +213,20 @@ constexpr Names<9> names(StoredField) {
           "stress",       "von_mises", "pressure", "friction"};
 }
 
-enum class StoredTable { steps, contact, obstacles, bodies, probes, history, parameters, measurements };
-constexpr Names<8> names(StoredTable) {
-  return {"steps", "contact", "obstacles", "bodies", "probes", "history", "parameters", "measurements"};
+enum class StoredTable {
+  steps,
+  contact,
+  obstacles,
+  bodies,
+  probes,
+  history,
+  parameters,
+  measurements,
+  scenarios
+};
+constexpr Names<9> names(StoredTable) {
+  return {"steps",   "contact",    "obstacles",    "bodies",   "probes",
+          "history", "parameters", "measurements", "scenarios"};
 }
 
 /// Name of an enumerator in scene files.

@@ -58,6 +58,13 @@ std::string quoted(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string Changes::write(const std::vector<Change>& changes) {
+  std::vector<std::string> entries;
+  for (const Change& change : changes)
+    entries.push_back(fmt::format("{} = {}", written(change.key), change.value));
+  return entries.empty() ? "" : fmt::format("{{ {} }}", fmt::join(entries, ", "));
+}
+
 Json Number::schema() const {
   Json schema = number;
   if (std::isfinite(limits.least))

@@ -75,6 +75,14 @@ struct Text {
   static Json schema() { return {{"type", "string"}, {"minLength", 1}}; }
 };
 
+/// Keys of the scene and their values.
+struct Changes {
+  static std::vector<Change> read(Reader& in, Name key, const Scene&) { return in.changes(key); }
+  static std::string write(const std::vector<Change>& changes);
+  static std::string words() { return "table of keys and their values"; }
+  static Json schema() { return {{"type", "object"}, {"minProperties", 1}}; }
+};
+
 /// A path, stored and written as an absolute path; relative paths are relative to the scene file.
 struct Path : Text {
   static std::filesystem::path read(Reader& in, Name key, const Scene&) {

@@ -82,6 +82,44 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
   table->insert_or_assign(key, *parsed.get("value"));
 }
 
+/// Reads all tables of a scene.
+Scene read_tables(const toml::table& root, const Source& source) {
+  Reader in(root, "", source);
+  Scene scene;
+  scene.file = std::filesystem::absolute(source.file);
+  scene.name = source.file.stem().string();
+  scene.solver.memory = machine_memory() / 2;
+  schema::read(in, scene);
+  if (scene.output.every == 0 && !scene.time.automatic() && !scene.time.until_bounce)
+    scene.output.every = Output::automatic(scene.time.steps);
+  return scene;
+}
+
+/// Returns the scene with the changes of its i-th scenario, and without output. Throws UserError.
+std::shared_ptr<const Scene> changed(toml::table root, const Scene& scene, std::size_t i,
+                                     const Source& source) {
+  const auto line = root["scenario"][i].node()->source().begin.line;
+  root.erase("scenario");
+  try {
+    for (const Change& change : scene.scenarios[i].set)
+      override_key(root, change.key + "=" + change.value, source.file);
+    if (toml::table* objective = root["objective"].as_table())
+      objective->erase("exponent");
+    auto made = std::make_shared<Scene>(read_tables(root, source));
+    made->output.fields.clear();
+    made->output.tables.clear();
+    made->output.probes.clear();
+    return made;
+  } catch (const UserError& error) {
+    std::string what = error.what();
+    for (const std::string& before : {std::string("--set "), source.file.string() + ": "})
+      if (what.starts_with(before))
+        what.erase(0, before.size());
+    throw UserError(fmt::format("{}{}: {}.set: {}", source.file.string(),
+                                line > 0 ? fmt::format(":{}", line) : "", scenario_key(i), what));
+  }
+}
+
 } // namespace
 
 Scene parse(const std::string& text, const std::filesystem::path& file,
@@ -93,24 +131,19 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
                                 error.description()));
   }
-  Scene scene;
-  for (const std::string& assignment : overrides) {
+  for (const std::string& assignment : overrides)
     override_key(root, assignment, file);
-    scene.given.push_back(without_numbers(assignment.substr(0, assignment.find('='))));
-  }
   std::optional<Digest> series;
   const Source source{file, [&](const std::filesystem::path& path) {
                         std::string content = open(path);
                         (series ? *series : series.emplace()).add(content);
                         return content;
                       }};
-  Reader in(root, "", source);
-  scene.file = std::filesystem::absolute(file);
-  scene.name = file.stem().string();
-  scene.solver.memory = machine_memory() / 2;
-  schema::read(in, scene);
-  if (scene.output.every == 0 && !scene.time.automatic() && !scene.time.until_bounce)
-    scene.output.every = Output::automatic(scene.time.steps);
+  Scene scene = read_tables(root, source);
+  for (std::size_t i = 0; i < scene.scenarios.size(); ++i)
+    scene.scenarios[i].scene = changed(root, scene, i, source);
+  for (const std::string& assignment : overrides)
+    scene.given.push_back(without_numbers(assignment.substr(0, assignment.find('='))));
   if (series)
     scene.digest_of_series = series->text();
   return scene;
@@ -131,6 +164,7 @@ std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i) {
   return clamps.size() == 1 ? "clamp" : fmt::format("clamp[{}]", i);
 }
 
+std::string scenario_key(std::size_t i) { return fmt::format("scenario[{}]", i); }
 std::string unknown_key(std::size_t i) { return fmt::format("unknown[{}]", i); }
 std::string measurement_key(std::size_t i) { return fmt::format("measurement[{}]", i); }
 
@@ -184,6 +218,8 @@ std::string no_coarse_start(const Scene& scene) {
 }
 
 Scene resized(Scene scene, double size, int steps) {
+  for (Scenario& scenario : scene.scenarios)
+    scenario.scene = std::make_shared<const Scene>(resized(*scenario.scene, size, steps));
   (scene.mesh.size ? *scene.mesh.size : scene.mesh.scale) = size;
   if (scene.time.automatic())
     return scene;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 #include <sstream>
 
 namespace signorini::scene {
@@ -46,6 +47,43 @@ std::string value_text(const toml::node& node) {
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // do not split a UTF-8 character
     --end;
   return text.substr(0, end) + "...";
+}
+
+/// Writes a value as TOML. `absolute`: makes paths of files absolute.
+std::string toml_text(const toml::node& node,
+                      const std::function<std::string(const std::string&)>& absolute) {
+  std::vector<std::string> entries;
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& entry : *array)
+      entries.push_back(toml_text(entry, absolute));
+    return fmt::format("[{}]", fmt::join(entries, ", "));
+  }
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table) {
+      const bool path = (key.str() == "file" || key.str() == "run") && value.is_string();
+      entries.push_back(
+          fmt::format("{} = {}", kind::written(std::string(key.str())),
+                      path ? kind::written(absolute(value.ref<std::string>())) : toml_text(value, absolute)));
+    }
+    return fmt::format("{{ {} }}", fmt::join(entries, ", "));
+  }
+  std::ostringstream out;
+  out << toml::toml_formatter{node};
+  return out.str();
+}
+
+/// Adds the changes of a table to a list. `path`: of the keys so far, with a dot at its end.
+void add_changes(const toml::table& table, const std::string& path,
+                 const std::function<std::string(const std::string&)>& absolute,
+                 std::vector<Change>& changes) {
+  for (const auto& [key, value] : table) {
+    const std::string full = path + std::string(key.str());
+    const toml::table* inner = value.as_table();
+    if (inner && key.str().find('.') == std::string_view::npos && !inner->contains("file"))
+      add_changes(*inner, full + ".", absolute, changes);
+    else
+      changes.push_back({full, toml_text(value, absolute)});
+  }
 }
 
 bool on_one_line(const std::string& text) {
@@ -178,6 +216,17 @@ bool Reader::flag(const std::string& key) {
   if (!value)
     fail(key, fmt::format("found {}; expected true or false", value_text(node(key))));
   return value->get();
+}
+
+std::vector<Change> Reader::changes(const std::string& key) {
+  const toml::table* table = node(key).as_table();
+  if (!table || table->empty())
+    fail(key, fmt::format("found {}; expected a table of keys and their values, such as "
+                          "{{ \"initial.velocity\" = [\"1\", \"0\"] }}",
+                          value_text(node(key))));
+  std::vector<Change> changes;
+  add_changes(*table, "", [&](const std::string& given) { return followed(given, key).string(); }, changes);
+  return changes;
 }
 
 namespace {

@@ -64,6 +64,9 @@ public:
   /// Reads a number, an expression or a time series. `limits`: of a number; `end`: as in expressions().
   Expression number_or_expression(const std::string& key, const Limits& limits, double end);
   bool flag(const std::string& key);
+  /// Reads a table of keys of the scene and their values. A key may be a path in quotes, or lead through
+  /// tables. Paths of files become absolute.
+  std::vector<Change> changes(const std::string& key);
   /// Makes a reader of the table that is the key's value.
   Reader table(const std::string& key);
   /// Makes readers of an array of tables; none if the key is absent. `needed`: whether a present array must

@@ -231,6 +231,7 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
     in.fail("objective", "needs a control; add a table [control], or remove the objective");
   require_fit_rules(in, scene);
+  require_scenario_rules(in, scene);
   if (scene.time.automatic() && scene.control && scene.control->step) {
     // Else steps would pass intervals by, whose values no motion would depend on.
     constexpr double rounding = 1e-9;

@@ -26,6 +26,8 @@ void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
 void require_rules(Reader& in, const Solver& solver, const Scene& scene);
+/// Checks the rules of [[scenario]] and sets the name if the table does not give it.
+void require_rules(Reader& in, Scenario& scenario, const Scene& scene);
 /// Checks the rules of [[unknown]] and sets name, start and scale if the table does not give them.
 void require_rules(Reader& in, Unknown& unknown, const Scene& scene);
 /// Checks the rules of [[measurement]] and sets the name if the table does not give it.
@@ -63,6 +65,8 @@ void require_mass(const Reader& in, const std::string& obstacle, const Scene& sc
 /// Throws UserError, naming `key`, if an obstacle with mass has the mass 0: then only its displacement is
 /// determined, and its velocity alternates from step to step.
 void require_inert(const Reader& in, const std::string& obstacle, const Scene& scene, const char* key);
+/// Checks the rules of scenes with scenarios.
+void require_scenario_rules(Reader& in, const Scene& scene);
 /// Checks the rules of scenes with unknowns or measurements, and sets the search method for the unknowns.
 void require_fit_rules(Reader& in, Scene& scene);
 /// Sets the time that a scene with time.end = "auto" has at most. Throws UserError if the scene needs an end.

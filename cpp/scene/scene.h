@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/body.h"
+#include "scene/scenario.h"
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -189,6 +190,8 @@ struct Objective {
   double tracking = 1;                 ///< θ, weight of the tracking term
   double alpha = 0;                    ///< α, weight of the control cost
   double gamma = 0;                    ///< γ, weight of the terminal term, s
+  static constexpr double most_exponent = 1000;
+  double exponent = 1; ///< p of the mean of scenarios; 1: expectation, ∞: worst case
 };
 
 /// Normal prior of an unknown or, if the unknown has a logarithmic scale, of its logarithm.
@@ -307,9 +310,9 @@ struct Output {
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< fields to store where a run has them
   std::vector<StoredTable> tables{
-      StoredTable::steps,      StoredTable::contact,     StoredTable::obstacles,
-      StoredTable::bodies,     StoredTable::probes,      StoredTable::history,
-      StoredTable::parameters, StoredTable::measurements}; ///< tables to write where a run has them
+      StoredTable::steps,    StoredTable::contact, StoredTable::obstacles,  StoredTable::bodies,
+      StoredTable::probes,   StoredTable::history, StoredTable::parameters, StoredTable::measurements,
+      StoredTable::scenarios}; ///< tables to write where a run has them
   std::vector<Probe> probes;
 
   static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 if `every` is absent
@@ -337,6 +340,7 @@ struct Scene {
   Initial initial;
   std::optional<Control> control;
   std::optional<Objective> objective;
+  std::vector<Scenario> scenarios;
   std::vector<Unknown> unknowns;
   std::vector<Measurement> measurements;
   Optimizer optimizer;
@@ -400,6 +404,8 @@ bool rests(const Control& control);
 /// message; empty if the search can.
 std::string no_coarse_start(const Scene& scene);
 
+/// Name of the i-th table [[scenario]] in messages.
+std::string scenario_key(std::size_t i);
 /// Name of the i-th table [[unknown]] in messages.
 std::string unknown_key(std::size_t i);
 /// Name of the i-th table [[measurement]] in messages.

@@ -558,7 +558,26 @@ Keys<Objective> keys_of(Of<Objective>) {
       value("alpha", &Objective::alpha, Number{weight}, "", "weight of the control's cost",
             {.effect = "control cost"}),
       value("gamma", &Objective::gamma, Number{{.least = 0, .unit = "weight, s"}}, "s",
-            "weight of the distance to the desired state at `time.end`", {.effect = "terminal term"})};
+            "weight of the distance to the desired state at `time.end`", {.effect = "terminal term"}),
+      value("exponent", &Objective::exponent, Number{{.least = 1, .greatest = Objective::most_exponent}}, "",
+            "with tables `[[scenario]]`: p in J = (Σ w_s J_s^p)^(1/p). `1`: the expectation; a large one, "
+            "such as `20`: nearly the worst case",
+            {.effect = "scenarios"}, [](const Objective& objective) { return objective.exponent != 1; })};
+}
+
+Keys<Scenario> keys_of(Of<Scenario>) {
+  return {
+      value("name", &Scenario::name, Text{"text"}, "",
+            "name in tables; each scenario is a table `[[scenario]]`. `optimize` then seeks one control for "
+            "all scenarios; `simulate` computes the motion of the scene itself",
+            {.otherwise = "`\"scenario 1\"` … by position in the scene"}),
+      value("weight", &Scenario::weight, Number{weight}, "",
+            "weight w_s of the scenario's J_s, relative to the sum of all weights"),
+      value("set", &Scenario::set, Changes{}, "",
+            "keys of `material`, `foundation`, `clamp`, `contact`, `load`, `initial` or `objective.desired`, "
+            "as `--set` takes them, with their values in this scenario, such as "
+            "`{ \"initial.velocity\" = [\"1.2\", \"0\"] }`",
+            {.otherwise = "none: the scene itself"})};
 }
 
 Keys<Prior> keys_of(Of<Prior>) {
@@ -799,6 +818,7 @@ Keys<Scene> keys_of(Of<Scene>) {
           section("initial", &Scene::initial, {}),
           section("control", &Scene::control, {.effect = "control"}),
           section("objective", &Scene::objective, {.effect = "objective"}),
+          sections("scenario", &Scene::scenarios, {.effect = "scenarios"}),
           sections("unknown", &Scene::unknowns, {.effect = "unknowns"}),
           sections("measurement", &Scene::measurements, {.effect = "measurements"}),
           section("optimizer", &Scene::optimizer, {.part = Part::none}, searches),

@@ -309,7 +309,7 @@ TEST_CASE("run.json tells what the run was, and nothing that it had not", "[io]"
   manifest.control_unit = "N/m²";
   manifest.objective = control::ObjectiveValue{.tracking = 1.0 / 3, .terminal = 0.1, .control_cost = 1e-20};
   manifest.iterations = 4;
-  manifest.kink = io::Kink{1e-9, 1e-4, 12, {{3, 0.25, 7, {0.5, 1.0 / 3}}}};
+  manifest.kink = io::Kink{1e-9, 1e-4, 12, {{0, 3, 0.25, 7, {0.5, 1.0 / 3}}}};
   const auto full = nlohmann::json::parse(io::to_json(manifest, scene, timers));
   CHECK(full["control_unit"] == "N/m²");
   CHECK(full["objective"]["value"] == manifest.objective->total());

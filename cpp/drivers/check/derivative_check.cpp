@@ -188,7 +188,7 @@ private:
       const double epsilon = epsilon_of(j);
       const double remainder =
           std::abs(problem_.value(moved(sign * epsilon)) - objective_ - epsilon * found.by_motion.value);
-      const Switches changed = switches(found.contact, problem_.trial_trajectory().contact());
+      const Switches changed = switches(found.contact, problem_.trial_contact());
       const bool kept = changed.steps == 0;
       console_.line(fmt::format(
           "  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
@@ -281,7 +281,7 @@ private:
 
   bool same_sets_at(double epsilon, const ContactHistory& contact) {
     problem_.simulate(moved(epsilon));
-    return switches(contact, problem_.trial_trajectory().contact()).steps == 0;
+    return switches(contact, problem_.trial_contact()).steps == 0;
   }
 
   [[nodiscard]] bool contact_occurs() const {
@@ -317,8 +317,7 @@ private:
   void judge(double slope) {
     constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
     const double above = problem_.value(moved(macroscopic));
-    const int changed =
-        switches(problem_.trajectory().contact(), problem_.trial_trajectory().contact()).candidates;
+    const int changed = switches(problem_.contact(), problem_.trial_contact()).candidates;
     const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
     const double radius = kept_size_;

@@ -16,7 +16,7 @@ struct CheckRow {
 /// Makes a row that passes if `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
-using ContactHistory = std::vector<contact::ContactLinearisation>; ///< contact in all steps of a motion
+using ContactHistory = control::ReducedProblem::ContactHistory;
 
 /// Differences between the active sets of two motions.
 struct Switches {

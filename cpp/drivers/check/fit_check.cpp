@@ -84,8 +84,7 @@ private:
     try {
       const double value = reduced_.value(control::Variables(x));
       return Trial{value, reduced_.trial_residuals(),
-                   switches(reduced_.trajectory().contact(), reduced_.trial_trajectory().contact()).steps ==
-                       0};
+                   switches(reduced_.trajectory().contact(), reduced_.trial_contact()).steps == 0};
     } catch (const SolverFailure&) {
       return std::nullopt;
     }
@@ -195,7 +194,7 @@ void check_joint(control::ReducedProblem& problem, double solver_tolerance, std:
   const double here = problem.value(v);
   control::Variables d = problem.trial_gradient();
   problem.accept();
-  const ContactHistory contact = problem.trajectory().contact();
+  const ContactHistory contact = problem.contact();
   const double squared = problem.inner(d, d), curvature = problem.inner(d, problem.hessian_product(d)),
                floor = 200 * (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) * here;
   d.scale(-squared / std::max(std::abs(curvature), std::numeric_limits<double>::min())); // Cauchy's step
@@ -206,7 +205,7 @@ void check_joint(control::ReducedProblem& problem, double solver_tolerance, std:
     control::Variables beside = v;
     beside.add(epsilon, d);
     const double remainder = std::abs(problem.value(beside) - here - epsilon * slope);
-    if (switches(contact, problem.trial_trajectory().contact()).steps == 0 && remainder > floor)
+    if (switches(contact, problem.trial_contact()).steps == 0 && remainder > floor)
       usable.emplace_back(epsilon, remainder);
   }
   constexpr std::size_t enough = 3;

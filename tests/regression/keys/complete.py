@@ -37,6 +37,7 @@ FULL = (
              "output__probe": [{"body": True, "acceleration": True}, {"obstacle": "obstacle 1", "filter": {"cfc": 4.0}}]}),
     (BLOCK, {"contact__friction": "0.1 + x^2", "contact__obstacle__surface_velocity": ["1", "0"]}),
     (BLOCK, {"contact__friction": {"bound": "0.1 + x^2"}}),
+    (BLOCK, {"objective__exponent": 4.0, "scenario": [{"weight": 0.5}, {"name": "fast", "set": {"initial.velocity": ["0", "-2"]}}]}),
     (DATA / "two-squares.toml", {"contact__slave": "on", "contact__height": 0.01}),
     *((BLOCK, {"contact__obstacle": shape | WITH_MASS, "objective__obstacle": "obstacle 1"}) for shape in (
         {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}, {"shape": "ball", "center": [0, -2], "radius": 1},

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from harness import table
 from regression.keys.runs import ONE_AWAY, ROUNDING, Run, Runner, T, near, optimize_in
 
 
@@ -40,6 +41,26 @@ def test_desired_displacement_on_a_part(on: dict[str, str], tracking: float, opt
 @pytest.mark.parametrize("overrides, weight", (({}, 1e-2), ({"objective__alpha": 3}, 3), ({"objective__alpha": 0}, 0)), ids=str)
 def test_alpha(overrides: dict[str, float], weight: float, optimize: Runner) -> None:
     near(optimize(control__initial=["3", "4"], **overrides).history["control_cost"][0], weight / 2 * 25 * T)
+
+
+@pytest.mark.key("scenario.name", "scenario.weight", "scenario.set", "objective.exponent")
+@pytest.mark.parametrize("exponent", (1, 3))
+def test_scenarios(exponent: float, optimize: Runner) -> None:
+    """J is the weighted mean of separate J, and the table has each of them."""
+    common = {"objective__desired": {"displacement": ["0", "-0.1*t"]}, "time__scheme": "contact-stabilized"}
+    fast, low = {"initial.velocity": ["0", "-1.5"]}, {"contact.obstacle.point": [0, -0.2]}
+    J = [optimize(**common, **{key.replace(".", "__"): value for key, value in one.items()}).history["objective"][0] for one in ({}, fast, low)]
+    assert np.ptp(J) > 0.1 * max(J)
+    scenarios = [{"weight": 2.0}, {"name": "fast", "set": fast}, {"name": "low", "weight": 0.5, "set": low}]
+    mean = {} if exponent == 1 else {"objective__exponent": float(exponent)}
+    done = optimize(**common, **mean, scenario=scenarios)
+    found = table(done.folder / "scenarios.csv")
+    near(found["objective"], J, 1e-9)
+    assert list(found["scenario"]) == ["scenario 1", "fast", "low"] == [one["name"] for one in done.manifest["scenarios"]]
+    weights = np.array([2, 1, 0.5]) / 3.5
+    near(found["weight"], weights)
+    near(done.history["objective"][0], (weights @ np.power(J, exponent)) ** (1 / exponent), 1e-9)
+    near(found["share"] @ found["objective"], done.history["objective"][0])
 
 
 @pytest.mark.key("objective.desired.control", "objective.desired.run")
