@@ -26,6 +26,7 @@ VERBS = {
     "billiard": ["optimize"],
     "beam": ["simulate", "--set", "solver.linear=direct"],
     "catch": ["optimize"],
+    "catch-any": ["optimize"],
     "half-ball": ["simulate", "--set", 'control.initial=["0","0","-1"]'],
     "half-disc": ["optimize", "--set", "optimizer.max_iterations=60"],
     "incline-hold": ["optimize"],

@@ -36,7 +36,7 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
     energy = [*gather("energies", energies, run), *gather("residuals", residuals, run)]
     convergence = [] if run.is_fit else [
-        *gather("objective", objective, run), *gather("gradient norm", gradient_norm, run),
+        *gather("objective", objective, run), *(gather("scenarios", scenarios, run) if "scenario" in run.scene else []), *gather("gradient norm", gradient_norm, run),
         *gather("distance to the reference control", distance, run),
         *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
     tables = [*energy_account(run), *gather("worst residuals", invariants, run)]
@@ -237,6 +237,16 @@ def objective(run: RunFolder) -> Chart:
     axis = logarithmic(*(history[column] for column in shown))
     view = figure(curves, "iteration", f"objective ({objective_unit(run)})", yaxis=axis)
     return Chart.single("objective", "Objective and its parts", view)
+
+
+def scenarios(run: RunFolder) -> Chart:
+    """Makes the chart of J of each scenario at the control that was found, beside their mean."""
+    found = run.manifest["scenarios"]
+    names, values = [one["name"] for one in found], np.array([one["objective"] for one in found])
+    bars = {"type": "bar", "x": names, "y": values, "name": "scenario", "marker": {"color": style.BLUE}}
+    mean = line("J", names, np.full(len(names), run.history["objective"][-1]), "black", "dash")
+    view = figure([bars, mean], "scenario", f"objective ({objective_unit(run)})", yaxis=FROM_ZERO)
+    return Chart.single("scenarios", "Objective of each scenario", view, "Fields and other charts of this page are those of the scene itself.")
 
 
 def gradient_norm(run: RunFolder) -> Chart:

@@ -7,7 +7,7 @@
 
 namespace signorini::control {
 
-/// Reduced objective of several scenarios (docs/method.md section 9): J(u) = (Σ_s w_s J_s(u)^p)^(1/p) with
+/// Reduced objective of several scenarios (docs/method.md section 3): J(u) = (Σ_s w_s J_s(u)^p)^(1/p) with
 /// the weights w_s, whose sum is 1. The motion of the scene itself is scenario 0. J = Σ_s q_s J_s and ∇J =
 /// Σ_s q_s ∇J_s with the shares q_s = w_s (J_s/J)^(p−1); shares of 0 cost no adjoint sweep. All members are
 /// collective.

@@ -80,7 +80,7 @@ struct Changes {
   static std::vector<Change> read(Reader& in, Name key, const Scene&) { return in.changes(key); }
   static std::string write(const std::vector<Change>& changes);
   static std::string words() { return "table of keys and their values"; }
-  static Json schema() { return {{"type", "object"}, {"minProperties", 1}}; }
+  static Json schema() { return {{"type", "object"}}; }
 };
 
 /// A path, stored and written as an absolute path; relative paths are relative to the scene file.

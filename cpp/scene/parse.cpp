@@ -96,9 +96,10 @@ Scene read_tables(const toml::table& root, const Source& source) {
 }
 
 /// Returns the scene with the changes of its i-th scenario, and without output. Throws UserError.
-std::shared_ptr<const Scene> changed(toml::table root, const Scene& scene, std::size_t i,
+std::shared_ptr<const Scene> changed(const toml::table& given, const Scene& scene, std::size_t i,
                                      const Source& source) {
-  const auto line = root["scenario"][i].node()->source().begin.line;
+  const auto line = given["scenario"][i].node()->source().begin.line;
+  toml::table root = given;
   root.erase("scenario");
   try {
     for (const Change& change : scene.scenarios[i].set)

@@ -15,7 +15,7 @@ struct Change {
 };
 
 /// One table [[scenario]]: changed keys of the scene, under which a control is to be good too; docs/method.md
-/// section 9.
+/// section 3.
 struct Scenario {
   std::string name;                     ///< name in tables, unique
   double weight = 1;                    ///< weight relative to those of the other scenarios

@@ -562,7 +562,8 @@ Keys<Objective> keys_of(Of<Objective>) {
       value("exponent", &Objective::exponent, Number{{.least = 1, .greatest = Objective::most_exponent}}, "",
             "with tables `[[scenario]]`: p in J = (Σ w_s J_s^p)^(1/p). `1`: the expectation; a large one, "
             "such as `20`: nearly the worst case",
-            {.effect = "scenarios"}, [](const Objective& objective) { return objective.exponent != 1; })};
+            {.otherwise = "`1.0`, the expectation", .effect = "scenarios"},
+            [](const Objective& objective) { return objective.exponent != 1; })};
 }
 
 Keys<Scenario> keys_of(Of<Scenario>) {

@@ -128,6 +128,11 @@ class Run:
         return self.table("parameters")
 
     @cached_property
+    def scenarios(self) -> Table:
+        """scenarios.csv: J of every scenario; only with tables [[scenario]]."""
+        return self.table("scenarios")
+
+    @cached_property
     def measurements(self) -> Table:
         """measurements.csv: measured values beside those of the fitted scene."""
         return self.table("measurements")

@@ -78,6 +78,7 @@ RUNS = {
     "chosen": ("simulate", DISC, *sets(mesh__size=4, time__step="auto", time__tolerance=1e-1)),
     "optimum": ("optimize", DISC, *SHORT, *sets(optimizer__max_iterations=4)),
     "space": ("optimize", BALL, *SHORT, *sets(optimizer__max_iterations=2)),
+    "any": ("optimize", SCENES / "catch-any.toml", *sets(optimizer__max_iterations=2)),
     "fit": ("optimize", SCENES / "bar-speed.toml"),
     "joint": ("optimize", "joint.toml"),
     "ordered": ("optimize", DISC, "--accuracy", "0.2", *sets(mesh__size=1)),

@@ -48,10 +48,10 @@ def valid(value: object, schema: dict) -> bool:
 
 
 def places(node: object, path: tuple = ()) -> Iterator[tuple]:
-    """The paths of all tables and values, the scene's own apart."""
+    """The paths of all tables and values, the scene's own and changed keys of scenarios apart."""
     for key, value in node.items() if isinstance(node, dict) else enumerate(node):
         yield (*path, key)
-        if isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
+        if key != "set" and isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
             yield from places(value, (*path, key))
 
 
@@ -108,7 +108,7 @@ def test_scene(file: Path, schema: dict) -> None:
     assert valid(scene, schema)
     wrong = {"a key too many": scene | {"gravity": 9.81}, "no time": {k: v for k, v in scene.items() if k != "time"}}
     for path in places(scene):
-        value = {"nonsense": 1} if not isinstance(path[-1], int) else "nonsense"
+        value = {"nonsense": 1} if not isinstance(path[-1], int) and path[-1] != "set" else "nonsense"
         wrong[f"{path} of a wrong type"] = changed(scene, path, value)
     wrong |= {"a text for a number": changed(scene, ("time", "end"), "1"), "a step of zero": changed(scene, ("time", "step"), 0),
               "an unknown scheme": changed(scene, ("time", "scheme"), "explicit")}  # fmt: skip

@@ -14,6 +14,7 @@ from option_cases import method_cases, option_cases
 from parts_cases import parts_cases
 from relaxation_cases import relaxation_cases
 from rigid_body_cases import rigid_body_cases
+from scenario_cases import scenario_cases
 from scene_cases import key_cases, scene_file_cases, type_cases
 from surroundings_cases import surroundings_cases
 from value_cases import dimension_cases, probe_cases, range_cases
@@ -28,6 +29,7 @@ def all_cases() -> list[Case]:
         *range_cases(),
         *probe_cases(),
         *fit_cases(),
+        *scenario_cases(),
         *dimension_cases(),
         *obstacle_cases(),
         *friction_cases(),

@@ -60,10 +60,10 @@ FULL = (
 
 
 def leaves(node: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """The paths of a scene's values; the tables of a list by their numbers."""
+    """The paths of a scene's values; the tables of a list by their numbers, changed keys of a scenario as one value."""
     for name, value in node.items() if isinstance(node, dict) else enumerate(node):
         here = (*path, str(name))
-        if isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict)):
+        if name != "set" and isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict)):
             yield from leaves(value, here)
         else:
             yield here
@@ -140,7 +140,7 @@ def default(tmp_path_factory: pytest.TempPathFactory) -> Run:
                        foundation=[{"on": "top", "stiffness": {"tangential": 1.0}, "damping": {"tangential": 1.0}},
                                    {"on": "rest", "stiffness": {"normal": 1.0}, "damping": {"normal": 1.0}}], material__rayleigh={},
                        material__prony=[{"k": 0.1, "time": 1.0}, {"g": 0.1, "time": 1.0}], initial__velocity=["0", "0"],
-                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
+                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1}, scenario=[{}],
                        measurement=[{"of": "force", "component": "y", "file": "none.csv"}], output__probe=[{"body": True}])  # fmt: skip
 
 
@@ -187,7 +187,7 @@ def test_page_has_the_defaults(rows: list[tuple[str, str, str]], default: Run, c
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
             own = chosen if name in ("time.tolerance", "time.quantity") else parts if name == "contact.height" else default
-            path = re.sub("^(clamp|measurement|foundation|material[.]prony|output[.]probe)", r"\1.0", name)
+            path = re.sub("^(clamp|measurement|scenario|foundation|material[.]prony|output[.]probe)", r"\1.0", name)
             # Each branch has a fraction: g has its default in the first branch, k in the second one. So have foundations.
             path = re.sub(r"foundation\.0(\.\w+\.tangential)", r"foundation.1\1", path.replace("prony.0.k", "prony.1.k"))
             echoed = get(own.echo, path.split("."))
