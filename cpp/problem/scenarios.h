@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "control/scenario_problem.h"
-#include "problem/problem.h"
+#include "problem/motion_set.h"
 
 namespace signorini::problem {
 
-/// Problems of a scene's scenarios for one control space. Scenarios with equal step operators D share them
-/// and their factorisation, and make their steps together. All members are collective.
+/// Problems of a scene's scenarios for one control space. All members are collective.
 class Scenarios {
 public:
-  /// Sets up the problems. `objective`: of the scene itself; a desired motion under a reference control is
-  /// that of the scene itself. Throws UserError, SolverFailure, Interrupted. The references must outlive this
-  /// object.
+  /// Sets up the problems. `objective`: of the scene itself. Throws UserError, SolverFailure, Interrupted.
+  /// The references must outlive this object.
   Scenarios(const Problem& nominal, const control::ControlSpace& controls,
             const control::Objective& objective);
-  ~Scenarios();
 
   /// Creates the problem of J over all scenarios; this object must outlive it. `model`: of the scene itself.
   [[nodiscard]] std::unique_ptr<control::ScenarioProblem> reduced(const control::Model& model);
@@ -23,17 +20,11 @@ public:
   [[nodiscard]] std::size_t number(std::size_t i) const { return numbers_[i]; }
 
 private:
-  struct Parts;
-  /// Runs tasks, together as far as their solvers admit it.
-  void run(const std::vector<std::function<void()>>& tasks);
-
   const Problem& nominal_;
   const control::ControlSpace& controls_;
   const control::Objective& objective_;
-  std::vector<std::unique_ptr<Parts>> parts_; ///< of the scenarios other than the scene itself
+  MotionSet others_; ///< of the scenarios that change the scene
   std::vector<std::size_t> numbers_;
-  std::vector<const step::Stepper*> shared_; ///< of each D that several scenarios share
-  Lockstep lockstep_;
 };
 
 /// Number of motions over which J of a scene is computed: its own, and one for each scenario that changes it.

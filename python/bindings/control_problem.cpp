@@ -3,6 +3,8 @@
 #include "bindings.h"
 #include "control/riesz.h"
 #include "drivers/search.h"
+#include "problem/motion_set.h"
+#include "problem/scenarios.h"
 #include "rows.h"
 #include "scene.h"
 #include <algorithm>
@@ -59,7 +61,10 @@ public:
           return std::make_unique<Modules>(scene);
         })) {}
   ~Reduced() override { drop(release()); }
-  std::shared_ptr<const void> release() override { return std::move(all_); }
+  std::shared_ptr<const void> release() override {
+    batch_.reset();
+    return std::move(all_);
+  }
 
 private:
   [[nodiscard]] Modules& all() const {
@@ -111,15 +116,48 @@ private:
     return a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
   }
 
+  static constexpr std::size_t together = 16; ///< motions of a batch that are made together
+
+  /// Computes J, and its derivatives if `found` is not empty, at the controls first … end − 1 of a batch.
+  void make_together(const std::vector<Control>& all, std::size_t first, std::size_t end,
+                     std::vector<double>& values, std::vector<Control>& found) {
+    const signorini::problem::ControlProblem& problem = all_->problem;
+    const scene::Scene& scene = all_->scene;
+    const auto compute_one = [&](control::ReducedProblem& reduced, std::size_t i) {
+      reduced.simulate(all[i]);
+      values[i] = reduced.trial_value().total();
+      if (!found.empty())
+        found[i] = controls().dual(reduced.trial_gradient().u);
+    };
+    const bool recomputes = scene.trajectory.storage == scene::Storage::checkpoints &&
+                            std::holds_alternative<scene::DesiredControl>(scene.objective->desired);
+    if (problem.scenarios || recomputes) { // motions of one control are made together, or share a motion
+      trial_.reset();
+      for (std::size_t i = first; i < end; ++i)
+        compute_one(reduced(), i);
+      return;
+    }
+    if (!batch_)
+      batch_ =
+          std::make_unique<signorini::problem::MotionSet>(all_->modules, problem.controls, problem.objective);
+    while (batch_->size() < end - first)
+      batch_->add(scene, together);
+    std::vector<std::function<void()>> tasks;
+    for (std::size_t i = first; i < end; ++i)
+      tasks.emplace_back([&, i] { compute_one((*batch_)[i - first], i); });
+    batch_->run(tasks);
+  }
+
   const Control& gradient() {
     if (!current_->gradient)
       current_->gradient = reduced().gradient().u;
     return *current_->gradient;
   }
 
-  std::unique_ptr<Modules> all_;         ///< empty once Python ends
-  double seconds_ = 0;                   ///< time of the sweeps for J and its derivative
-  std::optional<Known> current_, trial_; ///< the reduced problem's current point and trial
+  std::unique_ptr<Modules> all_;                         ///< empty once Python ends
+  std::unique_ptr<signorini::problem::MotionSet> batch_; ///< for batches; null before the first
+  double seconds_ = 0;                                   ///< time of the sweeps for J and its derivative
+  std::optional<Known> current_, trial_;                 ///< the reduced problem's current point and trial
 
 public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
@@ -155,6 +193,38 @@ public:
     return {order ? order->of(all) : std::vector<double>(all.begin(), all.end()), count};
   }
 
+  /// Makes the controls of a batch (controls × intervals × values). Collective. Throws as control().
+  [[nodiscard]] std::vector<Control> several(const Given& given) const {
+    const auto count = static_cast<std::size_t>(controls().count()), size = controls().size();
+    const std::size_t number = given.ndim() == 3 ? given.shape(0) : 0; // another shape is refused below
+    std::string wrong;
+    try {
+      require_shape(given, {number, count, size}, "controls x intervals x values of this rank");
+    } catch (const std::invalid_argument& error) {
+      wrong = error.what();
+    }
+    const std::span<const double> all = values_of(given);
+    if (wrong.empty() && !std::ranges::all_of(all, [](double x) { return std::isfinite(x); }))
+      wrong = "found nan or inf; expected finite numbers";
+    std::array<int, 2> differs{!wrong.empty(), static_cast<int>(number)};
+    const bool any = compute([&] {
+      std::array<int, 3> most{differs[0], differs[1], -differs[1]};
+      MPI_Allreduce(MPI_IN_PLACE, most.data(), 3, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+      return most[0] != 0 || most[1] != -most[2];
+    });
+    if (any)
+      throw std::invalid_argument(
+          wrong.empty()
+              ? "the array of another rank has a wrong shape, another number of controls, nan or inf"
+              : wrong);
+    std::vector<Control> controls_of_batch;
+    for (std::size_t i = 0; i < number; ++i) {
+      const auto own = all.subspan(i * count * size, count * size);
+      controls_of_batch.emplace_back(std::vector<double>(own.begin(), own.end()), controls().count());
+    }
+    return controls_of_batch;
+  }
+
   [[nodiscard]] Control first_guess() const {
     return compute([&] { return all().problem.first_guess(all().scene); });
   }
@@ -171,6 +241,26 @@ public:
       return swept([&] { return controls().dual(gradient()); });
     });
     return {value, array_of(std::move(derivative))};
+  }
+
+  /// J of several controls (controls × intervals × values) and, if `derivatives`, its derivatives by them.
+  /// Up to 16 motions are made together.
+  std::pair<Array, std::optional<Array>> batch(const Given& given, bool derivatives) {
+    const std::vector<Control> all = several(given);
+    std::vector<double> values(all.size()), entries;
+    std::vector<Control> found(derivatives ? all.size() : 0, controls().zero());
+    (void)compute([&] {
+      for (std::size_t first = 0; first < all.size(); first += together)
+        make_together(all, first, std::min(all.size(), first + together), values, found);
+      return true;
+    });
+    Array of_values = array_of(std::move(values));
+    if (!derivatives)
+      return {std::move(of_values), std::nullopt};
+    for (const Control& one : found)
+      entries.insert(entries.end(), one.values().begin(), one.values().end());
+    const auto count = static_cast<std::size_t>(controls().count());
+    return {std::move(of_values), array_of(std::move(entries), {all.size(), count, controls().size()})};
   }
 
   /// Gradient as Riesz representative in the optimizer's product.
@@ -324,6 +414,7 @@ void bind_control_problem(nb::module_& module) {
       .def("value", &Reduced::value, nb::arg("u"), nb::arg("order") = nb::none())
       .def("value_and_derivative", &Reduced::value_and_derivative, nb::arg("u"),
            nb::arg("order") = nb::none())
+      .def("batch", &Reduced::batch, nb::arg("controls"), nb::arg("derivatives"))
       .def("representative", &Reduced::representative)
       .def("hessian_product", &Reduced::hessian_product, nb::arg("u"), nb::arg("d"),
            nb::arg("order") = nb::none())

@@ -10,6 +10,7 @@ from common import PUSHED, direction, half_disc
 import signorini
 
 ROUNDING = 1e-11  # of sums over a control, of conjugate gradients to rounding
+CHATTER = 1e-6  # contact-implicit steps amplify the rounding by which steps together and alone differ
 BOUNDS = {"control__lower": [-2, -1.5], "control__upper": 1.25}
 CASES = {
     "free": {},
@@ -44,6 +45,23 @@ def test_shapes(problem: signorini.Problem, u: np.ndarray) -> None:
     assert u.shape == problem.shape == (len(problem.times), problem.size // len(problem.times))
     assert u.shape[1] == len(problem.points) * len(problem.components)
     assert abs(problem.lengths.sum() - problem.step_times[-1]) < 1e-12
+
+
+def test_batch(problem: signorini.Problem, u: np.ndarray) -> None:
+    """Motions that are made together have the J and the derivatives that they have alone, whatever their companions are."""
+    many = np.stack([u + 0.02 * i * direction(problem, phase=0.3 * i) for i in range(18)])  # more than are made together
+    found = problem.batch(many, gradients=True)
+    assert found.values.shape == (18,) and found.gradients.shape == many.shape
+    assert np.ptp(found.values) > 1e-3 * found.values[0]
+    sweeps = problem.sweeps
+    few = problem.batch(many[[17, 4]], gradients=True)
+    assert (few.values == found.values[[17, 4]]).all() and (few.gradients == found.gradients[[17, 4]]).all()
+    assert problem.batch(many[:1]).gradients is None and problem.batch(many[:0]).values.shape == (0,)
+    assert problem.sweeps == sweeps, "motions of a batch are not cached"
+    for i in (0, 4, 17):
+        value, derivative = problem.value_and_gradient(many[i])
+        assert abs(found.values[i] / value - 1) < CHATTER
+        assert abs(found.gradients[i] - derivative).max() < CHATTER * abs(derivative).max()
 
 
 def test_taylor(problem: signorini.Problem, u: np.ndarray) -> None:
