@@ -9,8 +9,10 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/geometry/BoundingBoxTree.h>
+#include <dolfinx/graph/AdjacencyList.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -121,17 +123,22 @@ std::vector<std::int32_t> corners(const dolfinx::mesh::Mesh<T>& mesh, int dim,
     return found;
 }
 
-/// Creates the space of functions of an element, with values of the given shape (empty for scalars).
-/// Collective.
+/// Function that returns the new number of each node of the graph of a rank's nodes.
+using NodeOrder = std::function<std::vector<int>(const dolfinx::graph::AdjacencyList<std::int32_t>&)>;
+
+/// Creates the space of functions of an element, with values of the given shape (empty for scalars). `order`:
+/// numbers the nodes of each rank; null for the order of dolfinx. Collective.
 template <std::floating_point T, class Element>
 auto create_functionspace(std::shared_ptr<dolfinx::mesh::Mesh<T>> mesh, const Element& element,
-                          const std::vector<std::size_t>& shape) {
-  if constexpr (requires { dolfinx::fem::create_functionspace(mesh, element, shape); }) // 0.9
-    return dolfinx::fem::create_functionspace(mesh, element, shape);
+                          const std::vector<std::size_t>& shape, const NodeOrder& order) {
+  if constexpr (requires { dolfinx::fem::create_functionspace(mesh, element, shape, order); }) // 0.9
+    return dolfinx::fem::create_functionspace(mesh, element, shape, order);
   else
     return dolfinx::fem::create_functionspace<T>(
-        mesh, std::make_shared<const dolfinx::fem::FiniteElement<T>>(
-                  element, shape.empty() ? std::nullopt : std::optional(shape)));
+        mesh,
+        std::make_shared<const dolfinx::fem::FiniteElement<T>>(element, shape.empty() ? std::nullopt
+                                                                                      : std::optional(shape)),
+        order);
 }
 
 /// Creates an expression from its generated code; `functions` and `constants` are passed by their names in

@@ -2,6 +2,7 @@
 #include "fem/space.h"
 #include "base/collective.h"
 #include "base/dolfinx_versions.h"
+#include "fem/node_order.h"
 #include <basix/cell.h>
 #include <basix/finite-element.h>
 #include <cmath>
@@ -84,16 +85,24 @@ petsc::Matrix Layout::diagonal(std::span<const double> diagonal) const {
 
 namespace {
 
-/// Creates the space of Lagrange functions of `degree`. Collective.
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> functions(const mesh::Mesh& mesh, int degree,
-                                                               bool discontinuous, const Shape& shape) {
+/// Creates the space of Lagrange functions of `degree`. `order`: numbers the nodes of each rank; null for the
+/// order of dolfinx. Collective.
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>>
+functions(const mesh::Mesh& mesh, int degree, bool discontinuous, const Shape& shape,
+          const dolfinx_versions::NodeOrder& order = nullptr) {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());
   // The variant must be that of basix.ufl.element in forms/: dolfinx compares the elements' hashes.
   const auto element = basix::create_element<double>(basix::element::family::P, cell, degree,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, discontinuous);
   return std::make_shared<dolfinx::fem::FunctionSpace<double>>(
-      dolfinx_versions::create_functionspace(mesh.dolfinx(), element, shape));
+      dolfinx_versions::create_functionspace(mesh.dolfinx(), element, shape, order));
+}
+
+/// Returns the order of the nodes of V. In space it saves conjugate gradients up to half of a product's time;
+/// in the plane factors solve the steps, and their order is their own.
+dolfinx_versions::NodeOrder node_order(const mesh::Mesh& mesh) {
+  return mesh.dim() == 3 ? dolfinx_versions::NodeOrder(breadth_first_order) : nullptr;
 }
 
 Shape vector_shape(const mesh::Mesh& mesh) { return {static_cast<std::size_t>(mesh.dim())}; }
@@ -109,7 +118,7 @@ std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& 
 }
 
 Space::Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes)
-    : mesh_(&mesh), degree_(degree), V_(functions(mesh, degree, false, vector_shape(mesh))),
+    : mesh_(&mesh), degree_(degree), V_(functions(mesh, degree, false, vector_shape(mesh), node_order(mesh))),
       layout_(mesh.comm(), mesh.dim(), V_->dofmap()->index_map->size_local(), std::move(virtual_nodes)) {
   points_ = V_->tabulate_dof_coordinates(false);
   points_.resize(3 * static_cast<std::size_t>(owned_nodes()));

@@ -80,7 +80,8 @@ private:
 
 /// The space V: continuous vector-valued Lagrange functions of degree 1 or 2 on the mesh, without boundary
 /// conditions, together with the unknowns of virtual nodes. A vector of V contains the values at the nodes,
-/// node by node, in the order of layout().
+/// node by node, in the order of layout(). In space each rank numbers its nodes by a breadth-first search, in
+/// the plane dolfinx does.
 class Space {
 public:
   /// Sets up the space. `mesh` must outlive it. Collective.
