@@ -15,39 +15,6 @@
 namespace signorini::trajectory {
 using petsc::check;
 
-Extrapolation::Extrapolation(const step::Stepper& stepper) : wanted_(stepper.solver().takes_guess()) {
-  if (wanted_)
-    for (petsc::Vector& x : last_)
-      x = stepper.space().vector();
-}
-
-void Extrapolation::remember(double t, Vec x) {
-  if (!wanted_ || (known_ > 0 && times_.front() == t))
-    return;
-  std::swap(last_[1], last_[2]);
-  std::swap(last_[0], last_[1]);
-  times_ = {t, times_[0], times_[1]};
-  check(VecCopy(x, last_[0]));
-  known_ = std::min(known_ + 1, most);
-}
-
-void Extrapolation::guess(double t, Vec out) const {
-  for (int i = 0; i < known_; ++i) { // Lagrange's polynomials
-    double weight = 1;
-    for (int j = 0; j < known_; ++j)
-      if (j != i)
-        weight *= (t - times_[j]) / (times_[i] - times_[j]);
-    check(VecAXPBY(out, weight, i == 0 ? 0 : 1, last_[i]));
-  }
-}
-
-void Extrapolation::take(const Extrapolation& other) {
-  known_ = other.known_;
-  times_ = other.times_;
-  for (int i = 0; i < known_; ++i)
-    check(VecCopy(other.last_[i], last_[i]));
-}
-
 namespace {
 long& state_vectors = count("trajectory vectors");
 constexpr int nowhere = -1;

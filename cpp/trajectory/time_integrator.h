@@ -2,38 +2,10 @@
 #pragma once
 #include "step/load.h"
 #include "step/step.h"
-#include <array>
+#include "trajectory/extrapolation.h"
 #include <functional>
 
 namespace signorini::trajectory {
-
-/// Guesses the next solution of a series by the parabola through the last three. Does nothing if the
-/// stepper's solver takes no guess.
-class Extrapolation {
-public:
-  explicit Extrapolation(const step::Stepper& stepper);
-
-  /// Stores a copy of the latest solution `x`, at time `t` (s), unless the solution stored last has the same
-  /// time.
-  void remember(double t, Vec x);
-  /// Sets `out` to the solution extrapolated to time `t` (s); leaves it unchanged if nothing is stored.
-  void guess(double t, Vec out) const;
-
-  /// Discards all stored solutions.
-  void forget() { known_ = 0; }
-  /// Replaces the stored solutions by copies of those in `other`.
-  void take(const Extrapolation& other);
-
-  /// Returns the number of vectors that an extrapolation for this stepper stores.
-  static int vectors(const step::Stepper& stepper) { return stepper.solver().takes_guess() ? most : 0; }
-
-private:
-  static constexpr int most = 3;
-  bool wanted_;
-  std::array<petsc::Vector, most> last_; ///< stored solutions, the latest first
-  std::array<double, most> times_{};     ///< times of the stored solutions, s
-  int known_ = 0;
-};
 
 /// State of an integration at t_k: the data on which later steps depend, except for the contact of step k.
 /// Steps made from a copy give the same states to the last bit.
