@@ -242,9 +242,9 @@ def objective(run: RunFolder) -> Chart:
 def scenarios(run: RunFolder) -> Chart:
     """Makes the chart of J of each scenario at the control that was found, beside their mean."""
     found = run.manifest["scenarios"]
-    names, values = [one["name"] for one in found], np.array([one["objective"] for one in found])
-    bars = {"type": "bar", "x": names, "y": values, "name": "scenario", "marker": {"color": style.BLUE}}
-    mean = line("J", names, np.full(len(names), run.history["objective"][-1]), "black", "dash")
+    names, J = [one["name"] for one in found], float(run.history["objective"][-1])
+    bars = {"type": "bar", "x": names, "y": [one["objective"] for one in found], "name": "scenario", "marker": {"color": style.BLUE}}
+    mean = {"type": "scatter", "mode": "lines", "x": names, "y": [J] * len(names), "name": "J", "line": {"color": "black", "dash": "dash"}}
     view = figure([bars, mean], "scenario", f"objective ({objective_unit(run)})", yaxis=FROM_ZERO)
     return Chart.single("scenarios", "Objective of each scenario", view, "Fields and other charts of this page are those of the scene itself.")
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import page_of
 from harness import SIGNORINI, SOURCE, captured, signorini, table, toml
 
 SCENES = SOURCE / "scenes"
@@ -49,6 +50,12 @@ def test_robust_catch(tmp_path: Path) -> None:
     scenarios = table(tmp_path / "worst" / "scenarios.csv")
     assert worst.max() < 1.05 * scenarios["objective"].max()
     assert scenarios["share"] @ scenarios["objective"] == pytest.approx(manifest(tmp_path / "worst")["objective"]["value"], rel=1e-12)
+
+
+def test_page(tmp_path: Path) -> None:
+    signorini("optimize", ANY, tmp_path / "run", optimizer__max_iterations=1)
+    page = page_of(tmp_path / "run").read_text()
+    assert "Objective of each scenario" in page and all(f"{v} m/s" in page for v in ("0.8", "0.9", "1.0", "1.1", "1.2"))
 
 
 def test_resumed_search(tmp_path: Path) -> None:
