@@ -78,24 +78,24 @@ void ScenarioProblem::add_change_of_shares(const std::vector<V>& gradients, cons
       product.add((exponent_ - 1) * shares[s] * (slopes[s] / J_s[s].total() - slope / J), gradients[s]);
 }
 
-Variables ScenarioProblem::gradient() {
-  std::vector<Variables> all = parts<Variables>(current_mean_, [this](std::size_t s) {
-    return s == 0 ? ReducedProblem::gradient() : others_[s - 1]->gradient();
-  });
-  Variables g = sum(current_mean_, all);
+Variables ScenarioProblem::sum_of_gradients(Mean& mean, std::vector<Variables> gradients) const {
+  Variables g = sum(mean, gradients);
   if (exponent_ != 1)
-    current_mean_.gradients = std::move(all);
+    mean.gradients = std::move(gradients);
   return g;
 }
 
+Variables ScenarioProblem::gradient() {
+  return sum_of_gradients(current_mean_, parts<Variables>(current_mean_, [this](std::size_t s) {
+                            return s == 0 ? ReducedProblem::gradient() : others_[s - 1]->gradient();
+                          }));
+}
+
 Variables ScenarioProblem::trial_gradient() {
-  std::vector<Variables> all = parts<Variables>(trial_mean_, [this](std::size_t s) {
-    return s == 0 ? ReducedProblem::trial_gradient() : others_[s - 1]->trial_gradient();
-  });
-  Variables g = sum(trial_mean_, all);
-  if (exponent_ != 1)
-    trial_mean_.gradients = std::move(all);
-  return g;
+  return sum_of_gradients(trial_mean_, parts<Variables>(trial_mean_, [this](std::size_t s) {
+                            return s == 0 ? ReducedProblem::trial_gradient()
+                                          : others_[s - 1]->trial_gradient();
+                          }));
 }
 
 Control ScenarioProblem::l2_gradient() {

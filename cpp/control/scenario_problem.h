@@ -64,6 +64,9 @@ private:
   /// Returns Σ_s q_s v_s.
   template <class V>
   [[nodiscard]] V sum(const Mean& mean, const std::vector<V>& parts) const;
+  /// Returns the gradient in inner() from those of the scenarios, which `mean` keeps if the exponent is
+  /// not 1.
+  Variables sum_of_gradients(Mean& mean, std::vector<Variables> gradients) const;
   /// Adds the part of the Hessian product H d that the change of the shares along d contributes. `gradients`:
   /// ∇J_s; `slopes`: J_s'(u) d.
   template <class V>
