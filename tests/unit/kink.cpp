@@ -51,7 +51,7 @@ TEST_CASE("contact is weak where it is closed at some points of a certificate an
   }
   // As a checkpoint keeps it.
   const std::vector<double> stored = drivers::numbers(kink);
-  REQUIRE(stored.size() == 3 + 5 * weak.size());
+  REQUIRE(stored.size() == 3 + 6 * weak.size());
   const std::optional<io::Kink> again = drivers::kink_of(stored, 2);
   REQUIRE(again);
   CHECK(drivers::numbers(*again) == stored);

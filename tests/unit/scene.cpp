@@ -123,7 +123,7 @@ TEST_CASE("every effect is that of a key", "[scene]") {
 TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Output all = test::parse(file).output;
-  CHECK((all.fields.size() == 4 && all.tables.size() == 8));
+  CHECK((all.fields.size() == 4 && all.tables.size() == 9));
   const scene::Output some =
       test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
           .output;

@@ -251,7 +251,11 @@ private:
     // Residuals above rounding() have other causes and must not widen the tolerance.
     // Where J is no parabola, the residuals of its cubic term count too: 33/12 of its effect on the slope.
     constexpr double cubic = 3;
-    const double each = curved() ? cubic * off : std::min(2 * off, rounding() * std::abs(objective_));
+    // Errors of conjugate gradients are a smooth function of the control as long as the numbers of iterations
+    // stay: a parabola absorbs them, and residuals do not show them.
+    const double largest = rounding() * std::abs(objective_),
+                 shown = solver_tolerance_ > 0 ? largest : std::min(2 * off, largest);
+    const double each = curved() ? cubic * off : shown;
     return {(linear + 2 * start * quadratic) / std::abs(spacing), weights * each / std::abs(spacing)};
   }
 
