@@ -94,6 +94,8 @@ void add_batch_options(CLI::App& app, Request& request) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--resume", request.resume, "keep the outcomes in the folder and its shards");
+  app.add_flag("--folders", request.batch.folders,
+               "store all results of each case, as simulate does, in a folder of its name");
   app.add_option_function<std::string>(
          "--shard", [](const std::string&) {},
          "compute part i of n of the cases, as i/n, in a folder of its own")

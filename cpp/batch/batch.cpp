@@ -58,10 +58,28 @@ std::string origin(const scene::Scene& scene, const scene::CaseTable& table, con
   digest.add(scene::echo(scene, space));
   for (const auto& [name, value] : accuracy::inputs(scene))
     digest.add(name + "\n" + value + "\n");
+  digest.add(options.folders ? "folders\n" : "");
   for (const std::vector<std::string>& names : {table.keys, options.quantities})
     for (const std::string& name : names)
       digest.add(name + "\n");
   return digest.text();
+}
+
+/// Folders of the cases in `out`, by their names. Throws UserError if a name is none of a folder, or if steps
+/// vary in length, whose errors only a single run records.
+std::vector<std::filesystem::path> folders_of(const scene::CaseTable& table, const scene::Scene& scene,
+                                              const std::filesystem::path& out) {
+  if (scene.time.automatic())
+    throw UserError("--folders: found time.step = \"auto\"; give a length, or simulate the case alone");
+  std::vector<std::filesystem::path> folders;
+  for (const scene::CaseRow& row : table.rows) {
+    if (row.name.starts_with('.') || row.name.find('/') != std::string::npos)
+      throw UserError(fmt::format("--folders: line {} of the table: found the name \"{}\"; names of folders "
+                                  "have no / and begin without a dot",
+                                  row.line, row.name));
+    folders.push_back(out / row.name);
+  }
+  return folders;
 }
 
 /// Numbers of the cases of a shard, which are neighbours, so that they share as much as they can.
@@ -86,6 +104,9 @@ int run_batch(MPI_Comm comm, const scene::Scene& scene, const ParseScene& parse,
   const std::filesystem::path out =
       options.shard ? given_out / fmt::format("shard-{}-of-{}", options.shard->index, options.shard->count)
                     : given_out;
+  std::vector<std::filesystem::path> folders;
+  if (options.folders)
+    folders = folders_of(table, scene, out);
   if (const auto [first, end] = range(cases.size(), options.shard); first == end) {
     console.line("this part of the table has no cases: nothing is written");
     return exit_status::done;
@@ -112,7 +133,7 @@ int run_batch(MPI_Comm comm, const scene::Scene& scene, const ParseScene& parse,
       numbers.push_back(i);
 
   const std::vector<Block> all = blocks(cases, numbers, static_cast<std::size_t>(options.together));
-  BlockRunner runner(cases, options.quantities);
+  BlockRunner runner(cases, options.quantities, std::move(folders));
   std::vector<std::size_t> sizes;
   bool stopped = false;
   {

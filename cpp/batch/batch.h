@@ -13,6 +13,7 @@ struct Options {
   std::vector<std::string> quantities; ///< wanted numbers; empty: default of case_quantities()
   bool resume = false;                 ///< whether outcomes in the folder are kept
   std::optional<Shard> shard;          ///< part of the table to compute; absent: all
+  bool folders = false;                ///< whether each case has a folder with all results of its motion
   int together = 16;                   ///< largest number of motions whose solves are made together
 };
 

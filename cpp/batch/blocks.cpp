@@ -75,7 +75,8 @@ std::vector<Outcome> BlockRunner::run(const Block& block) {
       place = std::move(made);
       CaseMotion& motion = *place;
       known_ = motion.quantities();
-      tasks.emplace_back([&motion, &outcome = outcomes[i]] { outcome = motion.run(); });
+      const std::filesystem::path* folder = folders_.empty() ? nullptr : &folders_[block[i]];
+      tasks.emplace_back([&motion, folder, &outcome = outcomes[i]] { outcome = motion.run(folder); });
     } catch (const Interrupted&) {
       outcomes[i] = {.reason = "interrupted", .interrupted = true};
     } catch (const UserError& error) {

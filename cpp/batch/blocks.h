@@ -23,9 +23,11 @@ std::vector<Block> blocks(const std::vector<Case>& cases, std::span<const std::s
 /// Computes blocks of cases on this rank alone.
 class BlockRunner {
 public:
-  /// `quantities`: as in case_quantities(). The references must outlive this object.
-  BlockRunner(const std::vector<Case>& cases, const std::vector<std::string>& quantities)
-      : cases_(cases), quantities_(quantities) {}
+  /// `quantities`: as in case_quantities(). `folders`: folders for all results of the cases' motions; empty:
+  /// none. The references must outlive this object.
+  BlockRunner(const std::vector<Case>& cases, const std::vector<std::string>& quantities,
+              std::vector<std::filesystem::path> folders)
+      : cases_(cases), quantities_(quantities), folders_(std::move(folders)) {}
 
   /// Computes the motions of a block; the solves of all are made together if CHOLMOD factorised D. Returns
   /// their outcomes in the order of the block.
@@ -46,6 +48,7 @@ private:
 
   const std::vector<Case>& cases_;
   const std::vector<std::string>& quantities_;
+  std::vector<std::filesystem::path> folders_;
   Timers timers_;
   std::shared_ptr<const problem::SpaceDiscretisation> discretisation_; ///< of the last block
   std::string mesh_;                                                   ///< what determines it

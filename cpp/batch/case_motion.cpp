@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/case_motion.h"
 #include "base/error.h"
+#include "drivers/run_manifest.h"
 #include <algorithm>
 
 namespace signorini::batch {
@@ -24,9 +25,9 @@ CaseMotion::CaseMotion(std::shared_ptr<const problem::SpaceDiscretisation> discr
                               trajectory::Stops::obeyed, like ? &like->problem_ : nullptr),
       given_(problem_), wanted_(case_quantities(scene_, quantities, problem_.space.dim())) {}
 
-Outcome CaseMotion::run() {
+Outcome CaseMotion::run(const std::filesystem::path* folder) {
   try {
-    return motion();
+    return motion(folder);
   } catch (const Interrupted&) {
     return {.reason = "interrupted", .interrupted = true};
   } catch (const UserError& error) {
@@ -36,7 +37,40 @@ Outcome CaseMotion::run() {
   }
 }
 
-Outcome CaseMotion::motion() {
+namespace {
+
+/// Folder with the results of a motion, and their writer.
+class Recording {
+public:
+  Recording(const problem::Problem& problem, bool controlled, const std::filesystem::path& out)
+      : problem_(problem), folder_(MPI_COMM_SELF, out), writer_(problem, folder_, nullptr, controlled) {}
+
+  void observe(const trajectory::Frame& frame) { writer_(frame); }
+
+  void publish(const std::optional<control::ObjectiveValue>& objective) {
+    const Console silent(false, false);
+    writer_.finish();
+    folder_.write("scene.toml", scene::echo(problem_.scene, problem_.space.dim()));
+    io::Manifest m = drivers::manifest(problem_, "simulate", "end of time", problem_.steps());
+    drivers::add_watched(m, writer_, problem_.scene.run, silent);
+    m.objective = objective;
+    m.files = folder_.files();
+    folder_.write("run.json", io::to_json(m, problem_.scene, problem_.timers));
+    drivers::finish(folder_, silent);
+  }
+
+private:
+  const problem::Problem& problem_;
+  io::OutputFolder folder_;
+  drivers::MotionWriter writer_;
+};
+
+} // namespace
+
+Outcome CaseMotion::motion(const std::filesystem::path* folder) {
+  std::optional<Recording> recording;
+  if (folder)
+    recording.emplace(problem_, given_.acts(), *folder);
   accuracy::MotionQuantities quantities(problem_, wanted_, nullptr);
   std::optional<problem::RunObjective> objective;
   if (scene_.objective && accuracy::has(wanted_, "J"))
@@ -50,11 +84,18 @@ Outcome CaseMotion::motion() {
       objective->observe(frame);
     if (probes)
       probes->observe(frame);
+    if (recording)
+      recording->observe(frame);
   });
   accuracy::Measured measured;
   quantities.report(measured);
-  if (objective)
-    measured.numbers["J"] = objective->value().total();
+  std::optional<control::ObjectiveValue> J;
+  if (objective) {
+    J = objective->value();
+    measured.numbers["J"] = J->total();
+  }
+  if (recording)
+    recording->publish(J);
   Outcome outcome{.steps = problem_.steps()};
   for (const accuracy::Quantity& one : wanted_)
     if (const auto found = measured.numbers.find(one.name); found != measured.numbers.end())

@@ -3,6 +3,7 @@
 #include "accuracy/motion_quantities.h"
 #include "batch/probe_figures.h"
 #include "problem/run_objective.h"
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -32,14 +33,15 @@ public:
   CaseMotion& operator=(const CaseMotion&) = delete;
 
   /// Computes the motion. Does not throw what concerns this case alone, but returns it as its outcome.
-  [[nodiscard]] Outcome run();
+  /// `folder`: folder for all results of the motion, as those of the verb simulate; null: none.
+  [[nodiscard]] Outcome run(const std::filesystem::path* folder = nullptr);
 
   [[nodiscard]] const problem::Problem& problem() const { return problem_; }
   /// Quantities of the numbers, without those of probes.
   [[nodiscard]] const std::vector<accuracy::Quantity>& quantities() const { return wanted_; }
 
 private:
-  [[nodiscard]] Outcome motion();
+  [[nodiscard]] Outcome motion(const std::filesystem::path* folder);
 
   Timers timers_;
   scene::Scene scene_;

@@ -220,3 +220,27 @@ def test_wrong_tables(text: str | None, options: list[str], words: str, tmp_path
     done = attempt(DISC, cases, tmp_path / "out", *options)
     assert done.returncode == 2 and words in done.stderr and done.stderr.count("\n") == 1, done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_folders(tmp_path: Path) -> None:
+    """Each case has the results of a single run: fields to rounding, the same files and laws."""
+    scene = SOURCE / "tests" / "data" / "block.toml"
+    cases = write(tmp_path / "cases.csv", ["initial.velocity"], [["[0, -1.0]"], ["[0, -1.3]"], ["[0.1, -0.8]"], ["[0, -2.0]"]], names=["slow", "fast", "aside", "very fast"])
+    options = changes("time.scheme=contact-stabilized", "output.every=5")
+    rows = batch(scene, cases, tmp_path / "batch", "--folders", *options)
+    for row in rows:
+        own, alone = tmp_path / "batch" / row["case"], tmp_path / row["case"]
+        done = captured([str(SIGNORINI), "simulate", str(scene), "--out", str(alone), *options, *changes(f"initial.velocity={row['initial.velocity']}")])
+        assert done.returncode == 0, done.stderr
+        assert {file.name for file in own.iterdir()} == {file.name for file in alone.iterdir()}
+        found, expected = table(own / "steps.csv"), table(alone / "steps.csv")
+        assert (found["active"] == expected["active"]).all() and found["active"].max() > 1
+        for column in ("kinetic_energy", "elastic_energy"):
+            assert np.allclose(found[column], expected[column], rtol=1e-9, atol=1e-12 * expected["kinetic_energy"].max())
+        numbers = [json.loads((folder / "run.json").read_text()) for folder in (own, alone)]
+        assert numbers[0]["impact"]["all"]["impulse"] == pytest.approx(numbers[1]["impact"]["all"]["impulse"], rel=1e-9)
+        assert all(law["worst"] < 1e-10 for law in numbers[0]["invariants"].values())
+    refused = attempt(scene, write(tmp_path / "odd.csv", ["initial.velocity"], [["[0, -1.0]"]], names=["a/b"]), tmp_path / "odd", "--folders", *options)
+    assert refused.returncode == 2 and 'found the name "a/b"' in refused.stderr and not (tmp_path / "odd").exists()
+    kept = attempt(scene, cases, tmp_path / "batch", "--resume", *options)
+    assert kept.returncode == 2, "a table without folders is another one"
