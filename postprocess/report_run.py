@@ -36,7 +36,9 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
     energy = [*gather("energies", energies, run), *gather("residuals", residuals, run)]
     convergence = [] if run.is_fit else [
-        *gather("objective", objective, run), *(gather("scenarios", scenarios, run) if "scenario" in run.scene else []), *gather("gradient norm", gradient_norm, run),
+        *gather("objective", objective, run),
+        *(gather("scenarios", scenarios, run) if "scenario" in run.scene else []),
+        *gather("gradient norm", gradient_norm, run),
         *gather("distance to the reference control", distance, run),
         *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
     tables = [*energy_account(run), *gather("worst residuals", invariants, run)]

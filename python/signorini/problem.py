@@ -179,8 +179,8 @@ class Problem:
 
     def batch(self, controls: np.ndarray, gradients: bool = False) -> Batch:
         """Returns J of several controls (controls × intervals × values) and, if `gradients`, its derivatives. Up to 16 motions make
-        their steps together, which takes a fraction of their time one by one. On one rank a result does not depend on the other controls. It
-        differs by rounding from those of value() and value_and_gradient(), whose cached motions stay."""
+        their steps together, which takes a fraction of their time one by one. On one rank a result does not depend on the other
+        controls. It differs by rounding from those of value() and value_and_gradient(), whose cached motions stay."""
         return Batch(*self._problem.batch(controls, gradients))
 
     def representative(self, u: np.ndarray) -> np.ndarray:
