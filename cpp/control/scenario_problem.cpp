@@ -98,11 +98,13 @@ Variables ScenarioProblem::trial_gradient() {
                           }));
 }
 
-Control ScenarioProblem::l2_gradient() {
-  return sum(current_mean_, parts<Control>(current_mean_, [this](std::size_t s) {
-               return s == 0 ? ReducedProblem::l2_gradient() : others_[s - 1]->l2_gradient();
-             }));
+std::vector<Control> ScenarioProblem::l2_gradients() {
+  return parts<Control>(current_mean_, [this](std::size_t s) {
+    return s == 0 ? ReducedProblem::l2_gradient() : others_[s - 1]->l2_gradient();
+  });
 }
+
+Control ScenarioProblem::l2_gradient() { return sum(current_mean_, l2_gradients()); }
 
 Variables ScenarioProblem::hessian_product(const Variables& d) {
   Variables product =
@@ -127,9 +129,7 @@ Control ScenarioProblem::l2_hessian_product(const Control& d) {
           }));
   if (exponent_ == 1)
     return product;
-  const std::vector<Control> gradients = parts<Control>(current_mean_, [this](std::size_t s) {
-    return s == 0 ? ReducedProblem::l2_gradient() : others_[s - 1]->l2_gradient();
-  });
+  const std::vector<Control> gradients = l2_gradients();
   std::vector<double> slopes;
   for (const Control& g : gradients)
     slopes.push_back(controls().product(g, d));

@@ -64,6 +64,8 @@ private:
   /// Returns Σ_s q_s v_s.
   template <class V>
   [[nodiscard]] V sum(const Mean& mean, const std::vector<V>& parts) const;
+  /// Returns ∇J_s of all scenarios with a share, as Riesz representatives in L2(0,T; L2).
+  std::vector<Control> l2_gradients();
   /// Returns the gradient in inner() from those of the scenarios, which `mean` keeps if the exponent is
   /// not 1.
   Variables sum_of_gradients(Mean& mean, std::vector<Variables> gradients) const;
