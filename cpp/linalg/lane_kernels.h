@@ -49,4 +49,8 @@ struct BlockRows {
 void multiply_lanes(const BlockRows& R, const BlockRows& M, int size, int first, int end,
                     std::ptrdiff_t lanes, const double* x, const double* w, double* r);
 
+/// Makes all kernels use vector registers of at most `limit` numbers, at least 2, even if the machine has
+/// wider ones; for tests and benchmarks. Returns the width used. Bits of results depend on it.
+int limit_lane_registers(int limit);
+
 } // namespace signorini

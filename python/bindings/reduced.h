@@ -3,7 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "drivers/search.h"
-#include "problem/motion_set.h"
+#include "problem/motion_block.h"
 #include "problem/scenarios.h"
 #include "rows.h"
 #include "scene.h"
@@ -26,7 +26,7 @@ class Reduced final : public Open {
   struct Modules {
     explicit Modules(Scene& from)
         : scene(from.scene()), modules(from.discretisation(), scene, problem::search_needs(scene), timers),
-          problem(with_steps(modules, silent), silent) {}
+          problem(with_steps(modules, silent), silent), batch(modules, problem) {}
 
     static const signorini::problem::Problem& with_steps(signorini::problem::Problem& problem,
                                                          const Console& console) {
@@ -39,6 +39,7 @@ class Reduced final : public Open {
     Console silent{false, false};
     signorini::problem::Problem modules;
     signorini::problem::ControlProblem problem;
+    signorini::problem::MotionBlock batch;
   };
   /// Control whose motion the reduced problem has stored.
   struct Known {
@@ -54,10 +55,7 @@ public:
           return std::make_unique<Modules>(scene);
         })) {}
   ~Reduced() override { drop(release()); }
-  std::shared_ptr<const void> release() override {
-    batch_.reset();
-    return std::move(all_);
-  }
+  std::shared_ptr<const void> release() override { return std::move(all_); }
 
 private:
   [[nodiscard]] Modules& all() const {
@@ -109,48 +107,15 @@ private:
     return a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
   }
 
-  static constexpr std::size_t together = 16; ///< motions of a batch that are made together
-
-  /// Computes J, and its derivatives if `found` is not empty, at the controls first … end − 1 of a batch.
-  void make_together(const std::vector<Control>& all, std::size_t first, std::size_t end,
-                     std::vector<double>& values, std::vector<Control>& found) {
-    const signorini::problem::ControlProblem& problem = all_->problem;
-    const scene::Scene& scene = all_->scene;
-    const auto compute_one = [&](control::ReducedProblem& reduced, std::size_t i) {
-      reduced.simulate(all[i]);
-      values[i] = reduced.trial_value().total();
-      if (!found.empty())
-        found[i] = controls().dual(reduced.trial_gradient().u);
-    };
-    const bool recomputes = scene.trajectory.storage == scene::Storage::checkpoints &&
-                            std::holds_alternative<scene::DesiredControl>(scene.objective->desired);
-    if (problem.scenarios || recomputes) { // motions of one control are made together, or share a motion
-      trial_.reset();
-      for (std::size_t i = first; i < end; ++i)
-        compute_one(reduced(), i);
-      return;
-    }
-    if (!batch_)
-      batch_ =
-          std::make_unique<signorini::problem::MotionSet>(all_->modules, problem.controls, problem.objective);
-    while (batch_->size() < end - first)
-      batch_->add(scene, together);
-    std::vector<std::function<void()>> tasks;
-    for (std::size_t i = first; i < end; ++i)
-      tasks.emplace_back([&, i] { compute_one((*batch_)[i - first], i); });
-    batch_->run(tasks);
-  }
-
   const Control& gradient() {
     if (!current_->gradient)
       current_->gradient = reduced().gradient().u;
     return *current_->gradient;
   }
 
-  std::unique_ptr<Modules> all_;                         ///< empty once Python ends
-  std::unique_ptr<signorini::problem::MotionSet> batch_; ///< for batches; null before the first
-  double seconds_ = 0;                                   ///< time of the sweeps for J and its derivative
-  std::optional<Known> current_, trial_;                 ///< the reduced problem's current point and trial
+  std::unique_ptr<Modules> all_;         ///< empty once Python ends
+  double seconds_ = 0;                   ///< time of the sweeps for J and its derivative
+  std::optional<Known> current_, trial_; ///< the reduced problem's current point and trial
 
 public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
@@ -237,14 +202,20 @@ public:
   }
 
   /// J of several controls (controls × intervals × values) and, if `derivatives`, its derivatives by them.
-  /// Up to 16 motions are made together.
+  /// Motions are made together.
   std::pair<Array, std::optional<Array>> batch(const Given& given, bool derivatives) {
     const std::vector<Control> all = several(given);
     std::vector<double> values(all.size()), entries;
     std::vector<Control> found(derivatives ? all.size() : 0, controls().zero());
     (void)compute([&] {
-      for (std::size_t first = 0; first < all.size(); first += together)
-        make_together(all, first, std::min(all.size(), first + together), values, found);
+      if (!all_->batch.unites())
+        trial_.reset();
+      all_->batch.run(all, [&](std::size_t i, control::ReducedProblem& reduced) {
+        reduced.simulate(all[i]);
+        values[i] = reduced.trial_value().total();
+        if (derivatives)
+          found[i] = controls().dual(reduced.trial_gradient().u);
+      });
       return true;
     });
     Array of_values = array_of(std::move(values));

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seconds of a motion among 4, 16 and 64 that make their steps together, and of one alone. The motions start
-// with different velocities. Factors are made before.
+// with different velocities. Factors are made before. The environment variable SIGNORINI_REGISTERS limits the
+// numbers in a vector register: 4 as on machines with AVX2, 2 as on any.
 //
 // usage: signorini-bench-blocks SCENE REPEATS [key.path=value …]    prints one JSON object
 #include "bench.h"
+#include "linalg/lane_kernels.h"
 #include "step/united.h"
+#include <cstdlib>
 
 using namespace signorini;
 
@@ -22,6 +25,8 @@ std::vector<step::State> starts(const problem::Problem& problem, std::size_t cou
 }
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
+  const char* const limit = std::getenv("SIGNORINI_REGISTERS");
+  const int registers = limit_lane_registers(limit ? std::atoi(limit) : std::numeric_limits<int>::max());
   Timers timers;
   const problem::Problem problem(MPI_COMM_WORLD, scene, {}, timers);
   const problem::GivenControl given(problem);
@@ -66,6 +71,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   return {{"free_unknowns", problem.free_dofs()},
           {"steps", problem.steps()},
           {"contact_steps", touching},
+          {"registers", registers},
           {"alone", alone},
           {"together", rows}};
 }

@@ -58,7 +58,8 @@ def test_batch(problem: signorini.Problem, u: np.ndarray) -> None:
     if signorini.ranks == 1:  # solves on several ranks round differently each time
         assert (few.values == found.values[[17, 4]]).all() and (few.gradients == found.gradients[[17, 4]]).all()
     assert problem.batch(many[:1]).gradients is None and problem.batch(many[:0]).values.shape == (0,)
-    assert problem.sweeps == sweeps, "motions of a batch are not cached"
+    if signorini.ranks == 1:
+        assert problem.sweeps == sweeps, "motions that are made together are none of the problem's own sweeps"
     for i in (0, 4, 17):
         value, derivative = problem.value_and_gradient(many[i])
         assert abs(found.values[i] / value - 1) < CHATTER
