@@ -22,6 +22,9 @@ namespace {
 /// Number of supernodes by which the prefetch is ahead: memory latency is the time of one or two solves.
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
+/// Number of entries of a supernode that are prefetched: the machine itself continues a stream once begun,
+/// and several large supernodes would drive each other out of the cache before their turn.
+constexpr std::ptrdiff_t prefetched = 1024;
 
 /// Number of rows (forward) or columns (backward) of a panel that a thread takes at a time.
 constexpr std::ptrdiff_t rows_at_once = 128, columns_at_once = 8;
@@ -36,7 +39,7 @@ void prefetch(const cholmod_factor& L, std::ptrdiff_t s) {
   if (s < 0 || s >= count(L))
     return;
   const Supernode next = supernode(L, s);
-  for (std::ptrdiff_t i = 0; i < next.width * next.height; i += cache_line)
+  for (std::ptrdiff_t i = 0; i < std::min(next.width * next.height, prefetched); i += cache_line)
     __builtin_prefetch(next.values + i);
 }
 
