@@ -14,11 +14,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <limits>
 #include <new>
 #include <spdlog/spdlog.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -59,21 +63,51 @@ void require_verb(int argc, char** argv) {
                     signorini::suggestion(found, names), allowed));
 }
 
-/// Adds the options of the verb keys, which has no scene. Each option sets `writer`, the function that prints
-/// the keys.
-void add_keys_options(CLI::App& app, std::string (*&writer)()) {
-  app.add_flag_callback(
-      "--json", [&] { writer = signorini::scene::json_schema; }, "print a JSON schema of a scene");
-  app.add_flag_callback(
-      "--markdown", [&] { writer = signorini::scene::markdown; },
-      "print the table of docs/reference/keys.md");
+/// Writes the JSON schema of a scene to a file. Returns the text to print: how a scene names the file. Throws
+/// UserError.
+std::string write_schema(const std::filesystem::path& file) {
+  const std::filesystem::path unfinished = file.string() + ".unfinished";
+  const std::string schema = signorini::scene::json_schema();
+  errno = 0;
+  std::error_code failed;
+  {
+    std::ofstream out(unfinished, std::ios::binary);
+    out << schema;
+    if (!out.flush())
+      failed.assign(errno != 0 ? errno : EIO, std::generic_category());
+  }
+  if (!failed)
+    std::filesystem::rename(unfinished, file, failed);
+  if (failed) {
+    std::error_code none;
+    std::filesystem::remove(unfinished, none);
+    throw UserError(
+        fmt::format("--schema-file: {}: cannot be written ({})", file.string(), failed.message()));
+  }
+  return fmt::format("An editor of TOML completes and checks a scene in the folder of {} that begins with "
+                     "this line:\n#:schema {}\n",
+                     file.string(), file.filename().string());
 }
 
 /// Requests of the command line other than runs.
 struct Asked {
   bool quiet = false;
   std::string (*keys)() = signorini::scene::reference; ///< function that returns the text of the verb keys
+  std::string schema_file{};                           ///< file to which the verb keys writes a schema
 };
+
+/// Adds the options of the verb keys, which has no scene.
+void add_keys_options(CLI::App& app, Asked& asked) {
+  CLI::Option* const json = app.add_flag_callback(
+      "--json", [&] { asked.keys = signorini::scene::json_schema; }, "print a JSON schema of a scene");
+  CLI::Option* const markdown = app.add_flag_callback(
+      "--markdown", [&] { asked.keys = signorini::scene::markdown; },
+      "print the table of docs/reference/keys.md");
+  app.add_option("--schema-file", asked.schema_file,
+                 "write the JSON schema to this file, and print the line that names it in a scene")
+      ->excludes(json)
+      ->excludes(markdown);
+}
 
 void add_verbs(CLI::App& app, Request& request, Asked& asked) {
   for (const Verb& verb : verbs) {
@@ -81,7 +115,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.text);
     sub->callback([&request, &verb] { request.verb = verb.name; });
     if (name == "keys")
-      add_keys_options(*sub, asked.keys);
+      add_keys_options(*sub, asked);
     if (name == "keys" || name == "completion")
       continue;
     sub->allow_extras();
@@ -189,9 +223,11 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   require_no_more(app, request.verb);
   if (request.verb != "keys" && request.verb != "completion")
     return std::nullopt;
-  if (speaks)
-    signorini::print_text(stdout, request.verb == "keys" ? asked.keys()
-                                                         : signorini::app::bash_completion(options(app)));
+  if (!speaks)
+    return 0;
+  signorini::print_text(stdout, request.verb == "completion" ? signorini::app::bash_completion(options(app))
+                                : asked.schema_file.empty()  ? asked.keys()
+                                                             : write_schema(asked.schema_file));
   return 0;
 }
 

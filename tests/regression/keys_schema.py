@@ -115,6 +115,30 @@ def test_scene(file: Path, schema: dict) -> None:
     assert [what for what, other in wrong.items() if valid(other, schema)] == [], "valid, and yet wrong"
 
 
+def test_scenes_name_their_schema(schema: dict) -> None:
+    """Editors find it by the first line."""
+    folder = SOURCE / "scenes"
+    assert json.loads((folder / "scene.schema.json").read_text()) == schema, "write it anew: signorini keys --schema-file scenes/scene.schema.json"
+    scenes = list(folder.glob("*.toml"))
+    assert len(scenes) > 30
+    assert [scene.name for scene in scenes if not scene.read_text().startswith("#:schema scene.schema.json\n")] == []
+
+
+def test_schema_file(schema: dict, tmp_path: Path) -> None:
+    said = printed("keys", "--schema-file", str(tmp_path / "own.json"))
+    assert json.loads((tmp_path / "own.json").read_text()) == schema and said.endswith("\n#:schema own.json\n")
+    assert [file.name for file in tmp_path.iterdir()] == ["own.json"]
+
+
+def test_schema_file_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    for name, reason in ("none/own.json", "No such file or directory"), ("folder", "Is a directory"):
+        done = captured([str(SIGNORINI), "keys", "--schema-file", str(tmp_path / name)])
+        assert done.returncode == 2 and not done.stdout
+        assert done.stderr == f"signorini: --schema-file: {tmp_path / name}: cannot be written ({reason})\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["folder"]
+
+
 def test_defaults(schema: dict) -> None:
     own = list(defaults(schema))
     assert len(own) > 15
