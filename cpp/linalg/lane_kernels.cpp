@@ -175,7 +175,8 @@ struct Kernels {
   decltype(subtract_lanes_transposed)* subtract_transposed;
 };
 
-// Defines the kernels for registers of W numbers, with the instructions of TARGET.
+// Defines the kernels for registers of W numbers, with the instructions of TARGET, which is an attribute.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define SIGNORINI_KERNELS(NAME, W, TARGET, SUPPORTED)                                                        \
   TARGET void multiply_##NAME(const BlockRows& R, const BlockRows& M, int size, int first, int end,          \
                               std::ptrdiff_t lanes, const double* x, const double* w, double* r) {           \
@@ -203,6 +204,7 @@ struct Kernels {
     W, [] { return static_cast<bool>(SUPPORTED); }, multiply_##NAME, solve_##NAME, solve_transposed_##NAME,  \
         subtract_##NAME, subtract_transposed_##NAME                                                          \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 SIGNORINI_KERNELS(baseline, 2, , true);
 // Debian builds for baseline x86-64.
