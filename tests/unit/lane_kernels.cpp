@@ -10,6 +10,15 @@ using namespace signorini;
 
 namespace {
 
+/// Limits the width of the registers as long as this object lives.
+struct Registers {
+  explicit Registers(int width) : supported(limit_lane_registers(width) == width) {}
+  ~Registers() { limit_lane_registers(std::numeric_limits<int>::max()); }
+  Registers(const Registers&) = delete;
+  Registers& operator=(const Registers&) = delete;
+  bool supported;
+};
+
 /// Numbers between -1 and 1 that look random.
 std::vector<double> numbers(std::size_t count, double first) {
   std::vector<double> all(count);
@@ -51,10 +60,8 @@ TEST_CASE("kernels for every width of registers agree with loops, in every lane"
   const int width = GENERATE(2, 4, 8);
   const std::ptrdiff_t lanes = GENERATE(narrow_lanes, wide_lanes);
   const int rows = GENERATE(1, 2, 7, 13, 24), columns = GENERATE(1, 3, 6, 8, 17);
-  struct Restored {
-    ~Restored() { limit_lane_registers(std::numeric_limits<int>::max()); }
-  } restored;
-  if (limit_lane_registers(width) != width)
+  const Registers registers(width);
+  if (!registers.supported)
     SKIP("the machine has no registers of " << width << " numbers");
   const std::ptrdiff_t odd = width + 1;
   const auto n = static_cast<std::size_t>(columns), m = static_cast<std::size_t>(rows);
@@ -112,10 +119,8 @@ TEST_CASE("kernels for every width of registers agree with loops, in every lane"
 TEST_CASE("products in lanes agree with loops for every width of registers", "[lockstep]") {
   const int width = GENERATE(2, 4, 8), size = GENERATE(2, 3);
   const std::ptrdiff_t lanes = GENERATE(narrow_lanes, wide_lanes);
-  struct Restored {
-    ~Restored() { limit_lane_registers(std::numeric_limits<int>::max()); }
-  } restored;
-  if (limit_lane_registers(width) != width)
+  const Registers registers(width);
+  if (!registers.supported)
     SKIP("the machine has no registers of " << width << " numbers");
   constexpr int rows = 5;
   const std::vector<int> begin{0, 2, 3, 3, 6, 8}, column{0, 4, 1, 0, 2, 3, 3, 1};
