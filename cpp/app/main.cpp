@@ -9,16 +9,15 @@
 #include "base/signals.h"
 #include "base/text.h"
 #include "drivers/run_manifest.h"
+#include "io/output_folder.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
 #include <new>
 #include <spdlog/spdlog.h>
@@ -66,24 +65,9 @@ void require_verb(int argc, char** argv) {
 /// Writes the JSON schema of a scene to a file. Returns the text to print: how a scene names the file. Throws
 /// UserError.
 std::string write_schema(const std::filesystem::path& file) {
-  const std::filesystem::path unfinished = file.string() + ".unfinished";
-  const std::string schema = signorini::scene::json_schema();
-  errno = 0;
-  std::error_code failed;
-  {
-    std::ofstream out(unfinished, std::ios::binary);
-    out << schema;
-    if (!out.flush())
-      failed.assign(errno != 0 ? errno : EIO, std::generic_category());
-  }
-  if (!failed)
-    std::filesystem::rename(unfinished, file, failed);
-  if (failed) {
-    std::error_code none;
-    std::filesystem::remove(unfinished, none);
+  if (const std::error_code failed = signorini::io::try_replace_file(file, signorini::scene::json_schema()))
     throw UserError(
         fmt::format("--schema-file: {}: cannot be written ({})", file.string(), failed.message()));
-  }
   return fmt::format("An editor of TOML completes and checks a scene in the folder of {} that begins with "
                      "this line:\n#:schema {}\n",
                      file.string(), file.filename().string());

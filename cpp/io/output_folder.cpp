@@ -191,20 +191,28 @@ void complete_publication(const fs::path& folder) {
 
 } // namespace
 
-void replace_file(const fs::path& file, std::string_view content) {
+std::error_code try_replace_file(const fs::path& file, std::string_view content) {
   fs::path partial = file;
   partial += ".partial";
+  errno = 0;
   std::ofstream out(partial, std::ios::binary | std::ios::trunc);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
   out.close();
   std::error_code error;
   if (out)
     fs::rename(partial, file, error);
-  if (!out || error) {
+  else
+    error.assign(errno != 0 ? errno : EIO, std::generic_category());
+  if (error) {
     std::error_code ignored;
     fs::remove(partial, ignored);
-    throw OutputFailure(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
   }
+  return error;
+}
+
+void replace_file(const fs::path& file, std::string_view content) {
+  if (try_replace_file(file, content))
+    throw OutputFailure(fmt::format("--out: {} cannot be written; choose another folder", file.string()));
 }
 
 void synchronise(const fs::path& path) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace signorini::io {
@@ -14,6 +15,9 @@ namespace signorini::io {
 /// Flushes a file, or the entries of a folder, to the disk. Throws std::filesystem::filesystem_error.
 void synchronise(const std::filesystem::path& path);
 
+/// Writes a file as a whole in place of an earlier one, or leaves that one. Returns the error. Not
+/// collective.
+[[nodiscard]] std::error_code try_replace_file(const std::filesystem::path& file, std::string_view content);
 /// Replaces a file of a results' folder as a whole: an interruption leaves the old file or the new one.
 /// Throws OutputFailure.
 void replace_file(const std::filesystem::path& file, std::string_view content);
