@@ -115,7 +115,7 @@ def draw(run: RunFolder) -> list[Path]:
 
 def read_motion(run: RunFolder) -> Motion:
     """Reads the stored steps, thinned out evenly to the number of frames."""
-    series = run.field("state.xdmf", "displacement")
+    series = run.field("state", "displacement")
     stride = max(1, -(-(len(series.times) - 1) // (MOST_FRAMES - 1)))
     shown = range(0, len(series.times), stride)
     displacement = np.stack([series.at(i) for i in shown])

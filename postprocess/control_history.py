@@ -19,7 +19,7 @@ LOOKS = [(style.BLUE, "-"), (style.VERMILION, "--"), (style.GREEN, "-.")]
 
 def draw(run: RunFolder) -> list[Path]:
     """Draws the resultant of the control in each step."""
-    control = run.field("control.xdmf", "control")
+    control = run.field("control", "control")
     force = resultant_of(run, control)
     factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
 

@@ -29,7 +29,7 @@ ARROW = 0.15  # length of the longest, as a part of the body's size
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     """Draws the stored time nearest to `time` (s)."""
-    control = run.field("control.xdmf", "control")
+    control = run.field("control", "control")
     time = run.figure_time() if time is None else time
     run.check_time(time)
     index = nearest(control.times, time)

@@ -290,7 +290,7 @@ def probe_unit(column: str) -> Callable[[RunFolder], str]:
 def control_of(runs: Two) -> Views:
     """Returns a view of the control's resultant for each component."""
     def component(run: RunFolder, axis: int) -> Curve:
-        control = run.field("control.xdmf", "control")
+        control = run.field("control", "control")
         return control.times, resultant_of(run, control)[:, axis]
 
     return {name: (lambda run, axis=axis: component(run, axis), depth("N")) for axis, name in components(runs[0]).items()}
@@ -346,7 +346,7 @@ def over_iterations(runs: Two, labels: list[str], column: str, title: str) -> Ch
 
 def motions(runs: Two) -> list[dict]:
     """Returns the motions of both bodies at the same times, with the same colours, enlargement and box."""
-    series = [run.field("state.xdmf", "displacement") for run in runs]
+    series = [run.field("state", "displacement") for run in runs]
     longest = max(series, key=lambda one: (one.times[-1], len(one.times)))
     numbers = sum(len(one.mesh.boundary_nodes() if run.dim == 3 else one.mesh.points) * (run.dim + len(stored_fields(run)))
                   for one, run in zip(series, runs))  # fmt: skip

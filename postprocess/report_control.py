@@ -17,7 +17,7 @@ LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdo
 
 def resultant(run: RunFolder) -> Chart:
     """Makes the chart of the components of the control's resultant."""
-    control = run.field("control.xdmf", "control")
+    control = run.field("control", "control")
     force = resultant_of(run, control)
     factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
     times, title = time_axis(control.times)
@@ -68,7 +68,7 @@ def weights(control: Series, support: np.ndarray | None, revolved: bool) -> np.n
 def boundary(run: RunFolder) -> list[Chart]:
     """Makes the chart of a control of a part of a plane body's boundary, over place and time; none for other controls."""
     try:
-        control = run.field("control.xdmf", "control")
+        control = run.field("control", "control")
     except NotInRun:
         return []
     support = support_of(run, control)

@@ -10,8 +10,8 @@ from .files import NotInRun
 from .mesh import Mesh, Series
 from .run_folder import RunFolder, nearest
 
-VECTORS = {"displacement": ("state.xdmf", "m"), "velocity": ("state.xdmf", "m/s"), "control": ("control.xdmf", "× control.scale"),
-           "adjoint": ("adjoint.xdmf", ""), "friction": ("state.xdmf", "Pa")}  # fmt: skip
+VECTORS = {"displacement": ("state", "m"), "velocity": ("state", "m/s"), "control": ("control", "× control.scale"),
+           "adjoint": ("adjoint", ""), "friction": ("state", "Pa")}  # fmt: skip
 SCALARS = {"von_mises": ("von Mises stress", "Pa"), "pressure": ("contact pressure", "Pa")}
 TENSORS = {"stress": "Pa", "strain": ""}
 
@@ -58,14 +58,14 @@ def vectors(run: RunFolder, *names: str) -> Iterator[Field]:
 
 def scalars(run: RunFolder) -> Iterator[Field]:
     for name, (title, unit) in SCALARS.items():
-        if (series := held(run, "state.xdmf", name)) is not None:
+        if (series := held(run, "state", name)) is not None:
             yield Field(title, unit, series, lambda values: values[:, 0])
 
 
 def tensors(run: RunFolder) -> Iterator[Field]:
     """Yields each component of stored tensors that is not zero throughout."""
     for name, unit in TENSORS.items():
-        if (series := held(run, "state.xdmf", name)) is None:
+        if (series := held(run, "state", name)) is None:
             continue
         width = int(np.sqrt(series.components(0).shape[1]))
         last = series.components(len(series.times) - 1)

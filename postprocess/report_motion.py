@@ -45,7 +45,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
     `times`: the nearest stored ones are shown; by default as many as a page can contain. `enlarged`: factor of displacements;
     by default such that they are visible.
     """
-    series = run.field("state.xdmf", "displacement")
+    series = run.field("state", "displacement")
     peak = run.peak_time
     drawing = drawing_of(run, series.mesh, peak)
     mesh, nodes = drawing.mesh, drawing.nodes

@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 
 from .contact_table import MOTION, STATUS, Contact, ObstacleSteps, contact_of
-from .files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
+from .field_files import FieldFile, VtkhdfFile, XdmfFile
+from .files import NotInRun, Table, Unreadable, read_csv, whole_text
 from .mesh import Mesh, Series
 from .obstacles import Obstacle, normals, read_obstacles
 
@@ -167,10 +168,8 @@ class RunFolder:
             return 3 if "contact_force_z" in self.steps else 2
         except NotInRun:
             pass
-        for file in ("state", "control", "adjoint"):
-            if (self.path / f"{file}.xdmf").is_file():
-                document = self.read(f"{file}.xdmf", lambda path: ElementTree.fromstring(whole_text(path)))
-                return 2 if document.find(".//Geometry").get("GeometryType") == "XY" else 3
+        if (stored := self._any_fields()) is not None:
+            return stored.dim
         return self.contact.points.shape[1]
 
     @cached_property
@@ -227,32 +226,33 @@ class RunFolder:
         return float(times[first_largest(force)])
 
     def field(self, file: str, name: str) -> Series:
-        """Returns the function `name` of `file` (one of the .xdmf files)."""
-        document = self.read(file, lambda path: ElementTree.fromstring(whole_text(path)))
-        # One grid a time with all fields.
-        found = [(grid, field) for grid in document.iter("Grid") if (field := grid.find(f"Attribute[@Name='{name}']")) is not None]
-        if not found:
+        """Returns the field `name` of "state", "control" or "adjoint"."""
+        if (series := self._fields(file).series(name)) is None:
             raise NotInRun(f"{file} holds no {name}")
-        times = np.array([float(grid.find("Time").get("Value")) for grid, _ in found])
-        datasets = [self._reference(field.find("DataItem")) for _, field in found]
-        centers = {field.get("Center") for _, field in found}
-        return Series(self._mesh(document), times, datasets, centers == {"Cell"})
+        return series
 
     def mesh(self, file: str) -> Mesh:
-        """Returns the mesh of the functions of `file` (one of the .xdmf files)."""
-        return self._mesh(self.read(file, lambda path: ElementTree.fromstring(whole_text(path))))
+        """Returns the mesh of the fields of "state", "control" or "adjoint"."""
+        return self._fields(file).mesh()
 
     @cached_property
     def boundary_mesh(self) -> Mesh:
         """Mesh of any field. Raises NotInRun where the run wrote none."""
-        for file in ("state.xdmf", "control.xdmf", "adjoint.xdmf"):
-            if (self.path / file).is_file():
-                return self.mesh(file)
-        raise NotInRun("the run wrote no field, and no mesh with it")
+        if (stored := self._any_fields()) is None:
+            raise NotInRun("the run wrote no field, and no mesh with it")
+        return stored.mesh()
 
-    def _mesh(self, document: ElementTree.Element) -> Mesh:
-        return Mesh(read_dataset(*self._reference(document.find(".//Geometry/DataItem"))),
-                    read_dataset(*self._reference(document.find(".//Topology/DataItem"))))  # fmt: skip
+    def has_fields(self, file: str) -> bool:
+        """Whether the run wrote fields of "state", "control" or "adjoint"."""
+        return any((self.path / f"{file}.{ending}").is_file() for ending in ("xdmf", "vtkhdf"))
+
+    def _fields(self, file: str) -> FieldFile:
+        if (self.path / f"{file}.xdmf").is_file() or not self.has_fields(file):
+            return self.read(f"{file}.xdmf", XdmfFile)
+        return self.read(f"{file}.vtkhdf", VtkhdfFile)
+
+    def _any_fields(self) -> FieldFile | None:
+        return next((self._fields(file) for file in ("state", "control", "adjoint") if self.has_fields(file)), None)
 
     def figure_time(self) -> float:
         """Returns the time that shows contact best, s: the seed's if contact is stored there, else that of the largest force."""
@@ -317,11 +317,6 @@ class RunFolder:
         except NotInRun:
             force = self.contact.force.sum(axis=1)
             return self.contact.times, force > 0, force
-
-    def _reference(self, item: ElementTree.Element) -> tuple[Path, str]:
-        """Returns the file and the dataset that a DataItem such as `state.h5:/Mesh/mesh/geometry` names."""
-        file, dataset = item.text.strip().split(":", 1)
-        return self.path / file, dataset
 
     def entry(self, read: Callable[[], T]) -> T:
         """Returns read(), an entry of run.json or scene.toml. Raises Unreadable if there is no such entry."""

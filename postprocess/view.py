@@ -45,7 +45,7 @@ class View:
 
 def longer_side(run: RunFolder) -> np.ndarray:
     """Returns the x axis, or the y axis if the body is longer along it."""
-    for file, name in (("state.xdmf", "displacement"), ("control.xdmf", "control")):
+    for file, name in (("state", "displacement"), ("control", "control")):
         try:
             x, y, _ = np.ptp(run.field(file, name).mesh.points, axis=0)
             return np.eye(3)[int(y > 1.1 * x)]

@@ -2,6 +2,7 @@
 #include "accuracy/fingerprint.h"
 #include "base/digest.h"
 #include "fem/forms.h"
+#include "io/field_reader.h"
 #include "io/manifest.h"
 #include "scene/compatibility.h"
 #include <fmt/format.h>
@@ -50,7 +51,7 @@ void add_with_included(const std::filesystem::path& file, std::set<std::filesyst
     return;
   const std::string text = content(file);
   digest.add(text);
-  if (file.extension() == ".msh")
+  if (scene::mesh_format(file) != scene::MeshFormat::script)
     return;
   constexpr std::size_t longest = 1024; // of a name; unmatched quotes are mostly further apart
   for (std::size_t open = text.find('"'); open != std::string::npos;) {
@@ -96,10 +97,10 @@ Fingerprint inputs(const scene::Scene& scene) {
     all[series] = scene.digest_of_series;
   if (scene.control && scene.control->stored)
     all[first_guess] = digest(scene.control->stored->folder / "checkpoint.h5") +
-                       digest(scene.control->stored->folder / "control.h5");
+                       digest(io::fields_file(scene.control->stored->folder, "control"));
   if (scene.objective)
     if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
-      all[desired_run] = digest(run->folder / "state.h5");
+      all[desired_run] = digest(io::fields_file(run->folder, "state"));
   return all;
 }
 

@@ -91,8 +91,7 @@ void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesyste
     mesh::limit_growth(sizes);
     on_root(comm, [&] {
       std::ofstream(graded.file) << mesh::geo_with_sizes(
-          sizes, std::filesystem::relative(scene.mesh.file, file.parent_path()),
-          scene::metres(scene.mesh.unit));
+          sizes, std::filesystem::relative(scene.mesh.file, file.parent_path()), scene.mesh.metres());
     });
     factor *= std::pow(static_cast<double>(cells(comm, graded)) / count, 1.0 / dim);
   }

@@ -115,9 +115,9 @@ std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {
   const std::vector<scene::ContactScheme> given = schemes(scene, choice.schemes);
   const bool meshed = scene.mesh.meshed();
   if (!choice.sizes.empty() && meshed)
-    throw UserError("--sizes: have no effect on a .msh, which is meshed already; use a .geo");
+    throw UserError("--sizes: have no effect on a mesh; use a geometry, such as a .geo");
   if (choice.graded && meshed)
-    throw UserError("--graded: has no effect on a .msh, which is meshed already; use a .geo");
+    throw UserError("--graded: has no effect on a mesh; use a geometry, such as a .geo");
   const double size = scene.mesh.size.value_or(scene.mesh.scale);
   const std::vector<double> sizes =
       or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});
@@ -179,7 +179,7 @@ std::string words_of_step(const Rung& rung, const scene::Scene& scene) {
 
 std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
-  if (scene.mesh.file.extension() != ".msh")
+  if (!scene.mesh.meshed())
     text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
   if (rung.graded)
     text += "graded, ";

@@ -223,7 +223,7 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
 
 void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
   if (scene.mesh.meshed())
-    throw UserError(fmt::format("{}: found a .msh, which is meshed already; use a .geo", option));
+    throw UserError(fmt::format("{}: has no effect on a mesh; use a geometry, such as a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
     throw UserError(fmt::format("{}: found mesh.degree = {}; set it to 1, since the error estimate in space "
                                 "compares degree 1 with degree 2",

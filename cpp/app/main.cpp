@@ -41,8 +41,9 @@ constexpr Verb verbs[] = {
     {"check", "verify derivatives and discrete invariants of a scene"},
     {"batch", "simulate the cases of a table, many on one factorisation, and tabulate their results"},
     {"study", "compare errors and run times over a ladder of sizes, steps, degrees and schemes"},
-    {"info", "list the model's effects (such as viscosity) with their costs, and the run's size and memory; "
-             "--time N estimates its time from N steps"},
+    {"info",
+     "list the model's effects (such as viscosity) with their costs, and the run's size and memory; "
+     "--time N estimates its time from N steps. Of a mesh or CAD file: its groups, sizes and quality"},
     {"keys", "list all keys of a scene with values, units, limits, defaults and meanings"},
     {"completion", "print a script for bash that completes verbs, options and keys"}};
 

@@ -3,6 +3,7 @@
 #include "accuracy/optimize_to_accuracy.h"
 #include "accuracy/simulate_to_accuracy.h"
 #include "app/info.h"
+#include "app/mesh_info.h"
 #include "app/scene_file.h"
 #include "base/collective.h"
 #include "base/error.h"
@@ -93,6 +94,12 @@ void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request
 } // namespace
 
 int run(const Request& request, const Console& console) {
+  if (request.verb == "info" && is_mesh(request.scene)) {
+    if (request.timed_steps > 0)
+      throw UserError("--time: has no effect on a mesh; use it with a scene");
+    print_mesh_info(world(), request.scene, request.overrides, console);
+    return exit_status::done;
+  }
   return run(request, read_scene(world(), request.scene, request.overrides), console);
 }
 

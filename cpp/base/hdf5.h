@@ -120,12 +120,14 @@ inline Hdf5Handle make_group(hid_t place, const char* name) {
   return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
-/// Creates a dataset of doubles or 64-bit integers with the property list `layout` and writes `values` to it.
-/// Returns false if that fails.
+/// Creates a dataset of doubles, bytes or 64-bit integers with the property list `layout` and writes `values`
+/// to it. Returns false if that fails.
 template <class T>
 bool write_whole(hid_t place, const char* name, const std::vector<hsize_t>& shape, const T* values,
                  hid_t layout) {
-  const hid_t stored = std::is_same_v<T, double> ? H5T_IEEE_F64LE : H5T_STD_I64LE;
+  const hid_t stored = std::is_same_v<T, double> ? H5T_IEEE_F64LE
+                       : std::is_same_v<T, char> ? H5T_STD_U8LE
+                                                 : H5T_STD_I64LE;
   const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   Hdf5Handle set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
   const bool written = set && H5Dwrite(set, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;

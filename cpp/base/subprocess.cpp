@@ -72,7 +72,7 @@ File request_file(const std::string& request) {
 
 /// Starts a program in a process group of its own, which can be killed as a whole. The program inherits only
 /// the request and the writing end of the answer's pipe.
-pid_t start(const std::filesystem::path& program, int request, int answer, unsigned seconds) {
+pid_t start(std::vector<std::string> command, int request, int answer) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, request, STDIN_FILENO);
@@ -88,21 +88,23 @@ pid_t start(const std::filesystem::path& program, int request, int answer, unsig
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-  std::string path = program.string(), limit = std::to_string(seconds);
-  std::array<char*, 3> arguments{path.data(), limit.data(), nullptr};
+  std::vector<char*> arguments;
+  for (std::string& word : command)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   pid_t process = -1;
-  const int error = posix_spawn(&process, path.c_str(), &files, &attributes, arguments.data(), environ);
+  const int error = posix_spawnp(&process, arguments.front(), &files, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0)
-    fail(fmt::format("{} cannot be started", path), error);
+    fail(fmt::format("{} cannot be started", command.front()), error);
   return process;
 }
 
 } // namespace
 
-std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
-                                         std::optional<unsigned> seconds) {
+std::optional<std::string> in_subprocess(const std::vector<std::string>& command,
+                                         const std::string& request) {
   const File in = request_file(request);
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0)
@@ -111,7 +113,7 @@ std::optional<std::string> in_subprocess(const std::filesystem::path& program, c
     fcntl(end, F_SETFD, FD_CLOEXEC);
   pid_t process = -1;
   try {
-    process = start(program, fileno(in.get()), ends[1], seconds.value_or(0));
+    process = start(command, fileno(in.get()), ends[1]);
   } catch (...) {
     close(ends[0]);
     close(ends[1]);
@@ -165,6 +167,31 @@ std::filesystem::path find_program(const std::string& name) {
     tried += (tried.empty() ? "" : ", ") + program.string();
   }
   throw std::runtime_error(fmt::format("the program {} was not found; paths tried: {}", name, tried));
+}
+
+std::vector<std::string> python_command(const std::string& script) {
+  const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
+  const std::filesystem::path own = "postprocess", shared = "signorini/postprocess";
+  // The Python module's library is in a folder below that of the build, or far from share/.
+  const std::vector<std::pair<std::filesystem::path, bool>> places{
+      {folder / own, false},
+      {folder / "../.." / own, false},
+      {folder / "../share" / shared, true},
+      {folder / "../../../../share" / shared, true},
+      {std::filesystem::path(version::data) / shared, true}};
+  std::string tried;
+  for (const auto& [at, installed] : places) {
+    const std::filesystem::path file = (at / script).lexically_normal();
+    if (access(file.c_str(), R_OK) == 0) {
+      std::vector<std::string> command{"python3"};
+      if (installed) // leaves no compiled files there, which the package does not list
+        command.emplace_back("-B");
+      command.push_back(file.string());
+      return command;
+    }
+    tried += (tried.empty() ? "" : ", ") + file.string();
+  }
+  throw std::runtime_error(fmt::format("the script {} was not found; paths tried: {}", script, tried));
 }
 
 } // namespace signorini

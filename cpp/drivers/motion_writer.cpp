@@ -96,7 +96,7 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
   const auto times =
       static_cast<std::size_t>(stored + 3); // with the first, the last and that of the largest force
   if (!fields.empty())
-    state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
+    state_.emplace(problem_.space, folder, "state", fields, times, output.formats);
   const bool stresses = output.field(Field::stress) || output.field(Field::von_mises);
   if (output.field(Field::strain) || stresses)
     cell_fields_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
@@ -270,7 +270,8 @@ void MotionWriter::write_obstacle_surfaces() const {
   contact::Box body = body_;
   MPI_Allreduce(MPI_IN_PLACE, body.low.data(), 3, MPI_DOUBLE, MPI_MIN, pairs->comm());
   MPI_Allreduce(MPI_IN_PLACE, body.high.data(), 3, MPI_DOUBLE, MPI_MAX, pairs->comm());
-  io::write_obstacle_surfaces(folder_, *pairs, times_, body, places_);
+  io::write_obstacle_surfaces(folder_, *pairs, times_, body, places_,
+                              state_ && problem_.scene.output.in(scene::FieldFormat::vtkhdf));
 }
 
 std::vector<Warning> MotionWriter::warnings() {
@@ -312,7 +313,7 @@ void write_control(const io::OutputFolder& folder, const problem::Problem& probl
     if (!output.field(field))
       return;
     const std::string name = scene::name(field);
-    io::FieldWriter file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
+    io::FieldWriter file(problem.space, folder, name, {{name, values}}, steps.size(), output.formats);
     at([&](int k, Vec x) {
       if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
         file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.grid.time(k), x);

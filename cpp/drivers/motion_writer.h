@@ -24,8 +24,8 @@ namespace signorini::drivers {
 bool stored(const step::TimeStep& step, double end, int every, bool last);
 
 /// Writes the files of a motion, as the scene's [output] selects: steps.csv, contact.csv, obstacles.csv,
-/// probes.csv and state.xdmf frame by frame, and surfaces.h5 at the end. Also summarises the motion, and
-/// monitors its invariants and plausibility.
+/// probes.csv and the fields of the state frame by frame, and the obstacles' surfaces at the end. Also
+/// summarises the motion, and monitors its invariants and plausibility.
 class MotionWriter {
 public:
   /// Opens the files. `objective`: objective of a search, null without one; `controlled`: whether a control
@@ -79,7 +79,7 @@ private:
   void weigh(const trajectory::Frame& frame, diagnostics::StepBalance& balance);
   void add_rows(const trajectory::Frame& frame, const diagnostics::StepBalance& balance);
   void open_tables(const io::OutputFolder& folder, bool probed);
-  /// Opens state.xdmf if the scene stores a field in it.
+  /// Opens the files of the state if the scene stores a field in them.
   void open_state(const io::OutputFolder& folder);
   /// State and contact at the end of a step.
   struct Snapshot {
@@ -142,8 +142,9 @@ private:
 /// `store`.
 using AdjointStates = std::function<void(const std::function<void(int k, Vec p)>& store)>;
 
-/// Writes control.xdmf and adjoint.xdmf for the steps in `stored`, as the scene's [output] selects. Calls
-/// `adjoint_states` only if adjoint states are to be written. Throws UserError, WriteFailure. Collective.
+/// Writes the fields of control and adjoint state for the steps in `stored`, as the scene's [output] selects.
+/// Calls `adjoint_states` only if adjoint states are to be written. Throws UserError, WriteFailure.
+/// Collective.
 void write_control(const io::OutputFolder& folder, const problem::Problem& problem,
                    const control::ControlSpace& controls, const control::Control& u,
                    const AdjointStates& adjoint_states, const std::vector<int>& stored);

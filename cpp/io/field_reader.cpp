@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <system_error>
 
 namespace signorini::io {
 using petsc::check;
@@ -55,6 +56,12 @@ std::vector<std::pair<double, std::string>> times_of(hid_t file, hid_t group) {
 }
 
 } // namespace
+
+std::filesystem::path fields_file(const std::filesystem::path& folder, const std::string& name) {
+  const std::filesystem::path data = folder / (name + ".h5"), whole = folder / (name + ".vtkhdf");
+  std::error_code none;
+  return !std::filesystem::exists(data, none) && std::filesystem::exists(whole, none) ? whole : data;
+}
 
 StoredField::StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
                          const std::string& key, double end, bool at_start)

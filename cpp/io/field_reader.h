@@ -7,6 +7,10 @@
 
 namespace signorini::io {
 
+/// File in which a run stored the fields of this name ("state", "control" or "adjoint"): its HDF5 file or, in
+/// a folder without XDMF files, its VTKHDF file. The file may be missing. Not collective.
+std::filesystem::path fields_file(const std::filesystem::path& folder, const std::string& name);
+
 /// Field that an earlier run stored over time with FieldWriter. The run must have used the same mesh; its
 /// number of ranks may differ.
 class StoredField {

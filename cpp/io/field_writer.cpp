@@ -158,13 +158,17 @@ std::span<const double> FieldLayout::gather(Values values, std::span<const doubl
 
 namespace {
 
+/// Shape of the dataset of a field at one time.
+std::vector<hsize_t> dataset_shape(const FieldLayout& layout, Values values) {
+  std::vector<hsize_t> shape{layout.rows(values)};
+  std::ranges::copy(stored_shape(values), std::back_inserter(shape));
+  return shape;
+}
+
 const char* attribute_type(Values values) {
   const std::size_t components = stored_components(values);
   return components == 1 ? "Scalar" : components == padded ? "Vector" : "Tensor";
 }
-
-/// Name of the dataset of output time `number`; sorting the names sorts the times.
-std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
 
 // One collection with a grid for each time, which has the mesh and all fields. meshio and the readers of VTK
 // and ParaView expect this (those of XDMF 2 resolve no references between grids).
@@ -179,10 +183,14 @@ constexpr const char *before_grids = R"xml(<?xml version="1.0"?>
 } // namespace
 
 FieldWriter::FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                         std::vector<FieldSeries> fields, std::size_t times)
+                         std::vector<FieldSeries> fields, std::size_t times,
+                         const std::vector<scene::FieldFormat>& formats)
     : space_(space), folder_(folder), name_(name),
-      data_(std::filesystem::path(name).replace_extension(".h5").string()), layout_(space),
+      xdmf_(std::ranges::find(formats, scene::FieldFormat::xdmf) != formats.end()), layout_(space),
       file_(H5I_INVALID_HID, H5Fclose), layout_list_(H5I_INVALID_HID, H5Pclose), fields_(std::move(fields)) {
+  data_ = name + (xdmf_ ? ".h5" : ".vtkhdf");
+  if (std::ranges::find(formats, scene::FieldFormat::vtkhdf) != formats.end())
+    vtkhdf_.emplace();
   for (std::size_t i = 0; i < fields_.size(); ++i)
     datasets_.push_back({Hdf5Handle(H5I_INVALID_HID, H5Gclose)});
   require_room(times);
@@ -192,20 +200,21 @@ FieldWriter::FieldWriter(const fem::Space& space, const OutputFolder& folder, co
 }
 
 void FieldWriter::require_room(std::size_t times) const {
-  constexpr double headers = 1024; // bytes of a dataset's header and of the XDMF text about it
+  constexpr double headers = 1024; // bytes of a dataset's header, its view and the XDMF text about it
   double needed = 0;
   for (const FieldSeries& field : fields_)
     needed += headers + sizeof(double) *
                             static_cast<double>(layout_.rows(field.values) * stored_components(field.values));
   needed *= static_cast<double>(times);
-  needed += sizeof(double) * static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 1);
+  const double mesh = static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 2);
+  needed += sizeof(double) * mesh * (vtkhdf_ ? 2 : 1);
   on_root(space_.comm(), [&] {
     std::error_code unknown;
     const auto room = std::filesystem::space(folder_.path(), unknown);
     if (!unknown && static_cast<double>(room.available) < needed)
       throw OutputFailure(fmt::format(
           "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
-          (folder_.path() / name_).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
+          (folder_.path() / data_).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
   });
 }
 
@@ -223,7 +232,8 @@ bool FieldWriter::open(std::span<const double> points, std::span<const std::int6
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_sieve_buf_size(access, 0); // datasets are written whole
   // The format of HDF5 1.8 takes half the time for each dataset, and finds its place in a group of thousands.
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  // Views need HDF5 1.10.
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, vtkhdf_ ? H5F_LIBVER_V110 : H5F_LIBVER_V18);
   file_ = create_hdf5(folder_.staged(data_), H5F_ACC_TRUNC, access);
   layout_list_ = plain_layout();
   const Hdf5Handle meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
@@ -236,7 +246,9 @@ bool FieldWriter::open(std::span<const double> points, std::span<const std::int6
     datasets_[i].group = make_group(functions, fields_[i].name.c_str());
     good = good && datasets_[i].group;
   }
-  return good;
+  return good &&
+         (!vtkhdf_ || (vtkhdf_->create(file_) && vtkhdf_->write_meshes({{layout_.nodes(), layout_.cells()}},
+                                                                       dim, points, dim + 1, topology)));
 }
 
 void FieldWriter::write(const std::string& field, std::size_t number, double time, Vec values) {
@@ -250,10 +262,9 @@ void FieldWriter::write(const std::string& field, std::size_t number, double tim
     throw std::logic_error("the file was opened without this field");
   Datasets& datasets = datasets_[static_cast<std::size_t>(series - fields_.begin())];
   const std::span<const double> rows = layout_.gather(series->values, owned);
-  std::vector<hsize_t> shape{layout_.rows(series->values)};
-  std::ranges::copy(stored_shape(series->values), std::back_inserter(shape));
   guarded([&] {
-    return write_whole(datasets.group, numbered(number).c_str(), shape, rows.data(), layout_list_);
+    return write_whole(datasets.group, numbered(number).c_str(), dataset_shape(layout_, series->values),
+                       rows.data(), layout_list_);
   });
   ++datasets.written;
   times_.resize(std::max(times_.size(), number + 1));
@@ -296,22 +307,43 @@ std::string FieldWriter::grid(std::size_t number) const {
   return text + "      </Grid>\n";
 }
 
-void FieldWriter::close() {
-  if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
-    throw std::logic_error("the fields of a file have different times");
-  guarded([&] {
-    bool good = write_whole(file_, "times", {times_.size()}, times_.data(), layout_list_);
-    for (Datasets& one : datasets_)
-      good = one.group.finish() && good;
-    good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;
-    return file_.finish() && good;
-  });
-  TextFile text(folder_, name_);
+bool FieldWriter::write_views() {
+  std::vector<VtkhdfGroup::Time> times;
+  for (const double time : times_)
+    times.push_back({.time = time});
+  std::vector<VtkhdfGroup::View> views;
+  for (const auto& [name, values] : fields_)
+    views.push_back({name, "/Function/" + name, in_cells(values), dataset_shape(layout_, values)});
+  const bool good = vtkhdf_->write_times(times, views);
+  vtkhdf_.reset(); // the file can be closed only without open groups
+  return good;
+}
+
+void FieldWriter::write_xdmf() const {
+  TextFile text(folder_, name_ + ".xdmf");
   text.append(before_grids);
   for (std::size_t i = 0; i < times_.size(); ++i)
     text.append(grid(i));
   text.append(after_grids);
   text.close();
+}
+
+void FieldWriter::close() {
+  if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
+    throw std::logic_error("the fields of a file have different times");
+  const bool linked = xdmf_ && vtkhdf_;
+  guarded([&] {
+    bool good = write_whole(file_, "times", {times_.size()}, times_.data(), layout_list_);
+    good = good && (!vtkhdf_ || write_views());
+    for (Datasets& one : datasets_)
+      good = one.group.finish() && good;
+    good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;
+    return file_.finish() && good;
+  });
+  if (linked)
+    guarded([&] { return write_vtkhdf_link(folder_.staged(name_ + ".vtkhdf"), data_); });
+  if (xdmf_)
+    write_xdmf();
 }
 
 } // namespace signorini::io

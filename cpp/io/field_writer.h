@@ -4,7 +4,10 @@
 #include "base/petsc.h"
 #include "fem/space.h"
 #include "io/output_folder.h"
+#include "io/vtkhdf.h"
+#include "scene/choices.h"
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,18 +71,21 @@ struct FieldSeries {
   Values values; ///< kind of the field
 };
 
-/// Writes fields at the output times of a run into an HDF5 file and an XDMF file. Fields have values at the
-/// vertices of the mesh, also for elements of degree 2, or one value for each cell. The HDF5 file has the
-/// times in `/times` and the fields in `/Function/<field>/<number>`. The numbers ascend with time and have
-/// leading zeros, so that sorting the names sorts the times. Only close() writes the XDMF file, so that the
-/// cost of an output time does not grow with the number of earlier ones.
+/// Writes fields at the output times of a run into an HDF5 file, and what ParaView needs to find them there:
+/// an XDMF file, a VTKHDF file or both. Fields have values at the vertices of the mesh, also for elements of
+/// degree 2, or one value for each cell. The HDF5 file has the times in `/times` and the fields in
+/// `/Function/<field>/<number>`. The numbers ascend with time and have leading zeros, so that sorting the
+/// names sorts the times. With VTKHDF it also has a group /VTKHDF with views of the fields; without XDMF the
+/// HDF5 file is the VTKHDF file itself. Only close() writes the XDMF file and the views, so that the cost of
+/// an output time does not grow with the number of earlier ones.
 class FieldWriter {
 public:
-  /// Creates the HDF5 file beside the XDMF file `name` for `fields` at up to `times` output times. Throws
-  /// OutputFailure if the file cannot be written or the disk lacks space for all times. Collective. `space`
-  /// and `folder` must outlive this object.
+  /// Creates the HDF5 file for `fields` at up to `times` output times. `name`: name of the files, without
+  /// extension; `formats`: at least one. Throws OutputFailure if the file cannot be written or the disk lacks
+  /// space for all times. Collective. `space` and `folder` must outlive this object.
   FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-              std::vector<FieldSeries> fields, std::size_t times);
+              std::vector<FieldSeries> fields, std::size_t times,
+              const std::vector<scene::FieldFormat>& formats);
 
   /// Writes the values of a field at `time` (s). `number`: index of this output time, from 0; output times
   /// may be written in any order. `owned`: the values that this rank owns, at the nodes of V or in the cells.
@@ -91,8 +97,8 @@ public:
   /// written at the free `number`. Throws OutputFailure. Collective.
   void make_room(std::size_t number);
 
-  /// Closes the HDF5 file and writes the XDMF file. All fields must have been written at every output time.
-  /// Throws OutputFailure. Collective.
+  /// Closes the HDF5 file and writes the files that refer to it. All fields must have been written at every
+  /// output time. Throws OutputFailure. Collective.
   void close();
 
 private:
@@ -105,6 +111,9 @@ private:
   template <class Work>
   void guarded(Work&& work);
   bool open(std::span<const double> points, std::span<const std::int64_t> topology);
+  /// Writes times and views of the fields to the group /VTKHDF. Returns false if HDF5 fails.
+  bool write_views();
+  void write_xdmf() const;
   /// XDMF text of the grid at output time `number`: the mesh and all fields.
   [[nodiscard]] std::string grid(std::size_t number) const;
   /// Throws OutputFailure if the disk lacks space for all fields at `times` output times. Collective.
@@ -112,12 +121,14 @@ private:
 
   const fem::Space& space_;
   const OutputFolder& folder_;
-  std::string name_, data_; ///< names of the XDMF file and of the HDF5 file
+  std::string name_, data_; ///< name without extension, and name of the HDF5 file
+  bool xdmf_;               ///< whether an XDMF file is written
   FieldLayout layout_;
   Hdf5Handle file_, layout_list_; ///< HDF5 file and the creation properties of its datasets; on rank 0
   std::vector<FieldSeries> fields_;
-  std::vector<Datasets> datasets_; ///< datasets of each field
-  std::vector<double> times_;      ///< output times, s
+  std::vector<Datasets> datasets_;    ///< datasets of each field
+  std::vector<double> times_;         ///< output times, s
+  std::optional<VtkhdfGroup> vtkhdf_; ///< if a VTKHDF file is written
 };
 
 } // namespace signorini::io

@@ -3,131 +3,22 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/hdf5.h"
+#include "io/vtkhdf.h"
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <filesystem>
 #include <fmt/format.h>
 #include <string>
+#include <utility>
 
 namespace signorini::io {
 namespace {
 
 using contact::Box;
-using contact::Obstacle;
-using contact::ObstacleSurface;
 
 constexpr double around = 0.3; ///< margin shown around the box of the body, relative to its longest side
-/// Number of cells along the longest side of the box that resolve a curved surface, in the plane and in
-/// space. fine: for surfaces written once; coarse: for surfaces written at every time.
-constexpr int fine[] = {120, 24}, coarse[] = {60, 16};
-
-/// Motion of a surface: points of the surface at t = 0, and their displacements.
-struct Motion {
-  ObstacleSurface surface;          ///< one surface; if the shape changes, the surfaces of all times
-  std::vector<double> displacement; ///< (times × n × dim); if the shape changes, (n × dim); m; empty at rest
-  /// First point and first facet of each time, with the end; empty unless the shape changes.
-  std::vector<std::int64_t> first_point, first_facet;
-};
-
-/// Box, in the obstacle's frame at t = 0, that contains the box `shown` at all times.
-Box swept(const Obstacle& obstacle, const Box& shown, std::span<const double> times) {
-  Box all = shown;
-  if (!obstacle.moves())
-    return all;
-  const Obstacle::Place start = obstacle.place(0);
-  for (const double t : times) {
-    const Obstacle::Place place = obstacle.place(t);
-    all.include({obstacle.carried(shown.low.data(), place, start),
-                 obstacle.carried(shown.high.data(), place, start)});
-  }
-  return all;
-}
-
-/// Motion of the surface of an obstacle that keeps its shape.
-Motion carried(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
-  const Obstacle::Place start = obstacle.place(0);
-  Motion motion;
-  motion.surface =
-      surface_within(obstacle, start, static_cast<int>(dim), swept(obstacle, shown, times), fine[dim - 2]);
-  if (!obstacle.moves())
-    return motion;
-  const std::vector<double>& points = motion.surface.points;
-  for (const double t : times) {
-    const Obstacle::Place place = obstacle.place(t);
-    for (std::size_t i = 0; i < points.size(); i += dim) {
-      std::array<double, 3> x{};
-      std::copy_n(&points[i], dim, x.begin());
-      const std::array<double, 3> now = obstacle.carried(x.data(), start, place);
-      for (std::size_t c = 0; c < dim; ++c)
-        motion.displacement.push_back(now[c] - x[c]);
-    }
-  }
-  return motion;
-}
-
-/// Vector from the surface at t = 0 to the point x, to first order; zero where the surface has no normal.
-std::array<double, 3> way_from_start(const Obstacle& obstacle, const double* x) {
-  try {
-    const Obstacle::Plane plane = obstacle.at(x);
-    std::array<double, 3> way = plane.normal;
-    for (double& part : way)
-      part *= plane.height;
-    return way;
-  } catch (const UserError&) {
-    return {};
-  }
-}
-
-/// Motion of the surface of an obstacle that changes its shape: a new surface for each time.
-Motion renewed(const Obstacle& obstacle, std::size_t dim, const Box& shown, std::span<const double> times) {
-  Motion motion{.surface = {}, .displacement = {}, .first_point = {0}, .first_facet = {0}};
-  ObstacleSurface& all = motion.surface;
-  for (const double t : times) {
-    const ObstacleSurface now =
-        surface_within(obstacle, obstacle.place(t), static_cast<int>(dim), shown, coarse[dim - 2]);
-    for (std::size_t i = 0; i < now.points.size(); i += dim) {
-      std::array<double, 3> x{};
-      std::copy_n(&now.points[i], dim, x.begin());
-      const std::array<double, 3> way = way_from_start(obstacle, x.data());
-      for (std::size_t c = 0; c < dim; ++c) {
-        all.points.push_back(x[c] - way[c]);
-        motion.displacement.push_back(way[c]);
-      }
-    }
-    all.facets.insert(all.facets.end(), now.facets.begin(), now.facets.end());
-    motion.first_point.push_back(static_cast<std::int64_t>(all.points.size() / dim));
-    motion.first_facet.push_back(static_cast<std::int64_t>(all.facets.size() / dim));
-  }
-  return motion;
-}
-
-/// Motion of the surface of an obstacle with mass.
-Motion moved(const Obstacle& obstacle, const contact::RigidMotion& rigid, std::size_t dim, const Box& shown,
-             const Places& places) {
-  Box swept = shown;
-  for (const contact::RigidMotion::Place& place : places) {
-    Box back = shown;
-    for (std::size_t c = 0; c < dim; ++c) {
-      back.low[c] -= place.translation[c];
-      back.high[c] -= place.translation[c];
-    }
-    swept.include(back);
-  }
-  Motion motion;
-  motion.surface = surface_within(obstacle, obstacle.place(0), static_cast<int>(dim), swept, fine[dim - 2]);
-  const std::vector<double>& points = motion.surface.points;
-  for (const contact::RigidMotion::Place& place : places)
-    for (std::size_t i = 0; i < points.size(); i += dim) {
-      std::array<double, 3> x{};
-      std::copy_n(&points[i], dim, x.begin());
-      const std::array<double, 3> way = rigid.displacement(place, x.data());
-      motion.displacement.insert(motion.displacement.end(), way.begin(),
-                                 way.begin() + static_cast<std::ptrdiff_t>(dim));
-    }
-  return motion;
-}
-
 /// The candidates of an obstacle, for the undeformed body at t = 0.
 struct Candidates {
   std::vector<double> gap;    ///< gap of each candidate, m
@@ -156,7 +47,7 @@ bool parallel(const Candidates& candidates, std::size_t dim) {
 }
 
 /// Writes an obstacle, or no points of a surface that is a part of the body. `flat`: whether it is a plane.
-bool write(hid_t file, const std::string& name, bool flat, std::size_t dim, const Motion& motion,
+bool write(hid_t file, const std::string& name, bool flat, std::size_t dim, const SurfaceMotion& motion,
            const Candidates& candidates, std::size_t times) {
   const Hdf5Handle layout = plain_layout(), group = make_group(file, name.c_str());
   const auto put = [&](const char* dataset, const std::vector<hsize_t>& shape, const auto& values) {
@@ -168,21 +59,98 @@ bool write(hid_t file, const std::string& name, bool flat, std::size_t dim, cons
               put("facets", {facets, dim}, motion.surface.facets) && put("flat", {1}, plane) &&
               put("whole", {1}, whole) && put("gap", {candidates.gap.size()}, candidates.gap) &&
               put("normal", {candidates.gap.size(), dim}, candidates.normal);
-  if (!motion.first_point.empty())
+  if (motion.renewed())
     good = good && put("displacement", {points, dim}, motion.displacement) &&
            put("first_point", {times + 1}, motion.first_point) &&
            put("first_facet", {times + 1}, motion.first_facet);
-  else if (!motion.displacement.empty())
+  else if (motion.moves())
     good = good && put("displacement", {times, points, dim}, motion.displacement);
   return good;
+}
+
+/// An obstacle that is no part of the body.
+struct Drawn {
+  int number; ///< from 1, in the scene's order
+  SurfaceMotion motion;
+};
+
+/// Surfaces of all obstacles as one grid over time.
+struct ObstacleGrid {
+  std::vector<double> points;                 ///< (n × dim), m
+  std::vector<std::int64_t> facets, obstacle; ///< (facets × dim), and the number of each facet's obstacle
+  std::vector<VtkhdfGroup::Part> parts;
+  std::vector<VtkhdfGroup::Time> times;
+};
+
+/// Appends an obstacle at output time k to the points and, if `with_facets`, the facets of `grid`. `part`:
+/// the mesh that the obstacle extends.
+void append(ObstacleGrid& grid, VtkhdfGroup::Part& part, const Drawn& drawn, std::size_t dim, std::size_t k,
+            bool with_facets) {
+  const SurfaceMotion& motion = drawn.motion;
+  const std::vector<double>& points = motion.surface.points;
+  const std::size_t first = motion.renewed() ? dim * static_cast<std::size_t>(motion.first_point[k]) : 0,
+                    end = motion.renewed() ? dim * static_cast<std::size_t>(motion.first_point[k + 1])
+                                           : points.size(),
+                    moved = motion.renewed() ? 0 : k * points.size();
+  for (std::size_t i = first; i < end; ++i)
+    grid.points.push_back(points[i] + (motion.moves() ? motion.displacement[moved + i] : 0));
+  if (with_facets) {
+    const std::vector<std::int64_t>& facets = motion.surface.facets;
+    const std::size_t from = motion.renewed() ? dim * static_cast<std::size_t>(motion.first_facet[k]) : 0,
+                      to = motion.renewed() ? dim * static_cast<std::size_t>(motion.first_facet[k + 1])
+                                            : facets.size();
+    for (std::size_t i = from; i < to; ++i)
+      grid.facets.push_back(facets[i] + static_cast<std::int64_t>(part.points));
+    grid.obstacle.resize(grid.facets.size() / dim, drawn.number);
+    part.cells += (to - from) / dim;
+  }
+  part.points += (end - first) / dim;
+}
+
+ObstacleGrid grid_of(const std::vector<Drawn>& all, std::size_t dim, std::span<const double> times) {
+  const bool renewed = std::ranges::any_of(all, [](const Drawn& one) { return one.motion.renewed(); }),
+             moves = std::ranges::any_of(all, [](const Drawn& one) { return one.motion.moves(); });
+  ObstacleGrid grid;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const bool with_facets = k == 0 || renewed;
+    VtkhdfGroup::Time now{.time = times[k]};
+    if (moves)
+      now.first_point = grid.points.size() / dim;
+    if (renewed) {
+      now.part = grid.parts.size();
+      now.first_cell = grid.obstacle.size();
+    }
+    grid.times.push_back(now);
+    if (k > 0 && !moves)
+      continue;
+    VtkhdfGroup::Part part{};
+    for (const Drawn& one : all)
+      append(grid, part, one, dim, k, with_facets);
+    if (with_facets)
+      grid.parts.push_back(part);
+  }
+  return grid;
+}
+
+bool write_grid(const std::filesystem::path& path, const ObstacleGrid& grid, std::size_t dim) {
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+  Hdf5Handle file = create_hdf5(path, H5F_ACC_TRUNC, access);
+  bool good = static_cast<bool>(file);
+  {
+    VtkhdfGroup group;
+    good = good && group.create(file) && group.write_meshes(grid.parts, dim, grid.points, dim, grid.facets) &&
+           group.write_cell_numbers("obstacle", grid.obstacle) && group.write_times(grid.times, {});
+  }
+  return file.finish() && good;
 }
 
 } // namespace
 
 void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactPairs& pairs,
                              std::span<const double> times, const Box& body,
-                             const std::vector<Places>& places) {
-  constexpr const char* file_name = "surfaces.h5";
+                             const std::vector<Places>& places, bool vtkhdf) {
+  constexpr const char *surfaces = "surfaces.h5", *grid = "obstacles.vtkhdf";
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Box shown = body;
   for (std::size_t c = 0; c < dim; ++c) {
@@ -190,30 +158,35 @@ void write_obstacle_surfaces(const OutputFolder& folder, const contact::ContactP
     shown.high[c] += around * body.longest_side();
   }
   on_root(pairs.comm(), [&] {
-    errno = 0;
-    const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    Hdf5Handle file = create_hdf5(folder.staged(file_name), H5F_ACC_TRUNC, access);
-    bool good = static_cast<bool>(file);
-    for (int i = 0; good && i < pairs.obstacle_count(); ++i) {
-      if (pairs.surfaces(i)) {
+    const auto guarded = [&](const char* name, auto&& write) {
+      errno = 0;
+      if (!write(folder.staged(name)))
+        throw OutputFailure(
+            fmt::format("{}: cannot be written ({})", (folder.path() / name).string(), hdf5_failure()));
+    };
+    std::vector<Drawn> drawn;
+    guarded(surfaces, [&](const std::filesystem::path& path) {
+      const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+      Hdf5Handle file = create_hdf5(path, H5F_ACC_TRUNC, access);
+      bool good = static_cast<bool>(file);
+      for (int i = 0; good && i < pairs.obstacle_count(); ++i) {
+        const std::string name = std::to_string(i + 1);
         const Candidates candidates = candidates_of(pairs, i);
-        good =
-            write(file, std::to_string(i + 1), parallel(candidates, dim), dim, {}, candidates, times.size());
-        continue;
+        if (pairs.surfaces(i)) {
+          good = write(file, name, parallel(candidates, dim), dim, {}, candidates, times.size());
+          continue;
+        }
+        SurfaceMotion motion = surface_motion(pairs, i, shown, times, places[static_cast<std::size_t>(i)]);
+        good = write(file, name, !pairs.shape(i)->curved(), dim, motion, candidates, times.size());
+        drawn.push_back({i + 1, std::move(motion)});
       }
-      const Obstacle& obstacle = *pairs.shape(i);
-      const contact::RigidMotion* rigid = pairs.rigid(i);
-      const Motion motion = rigid ? moved(obstacle, *rigid, dim, shown, places[static_cast<std::size_t>(i)])
-                            : !obstacle.moves() || obstacle.keeps_shape()
-                                ? carried(obstacle, dim, shown, times)
-                                : renewed(obstacle, dim, shown, times);
-      good = write(file, std::to_string(i + 1), !obstacle.curved(), dim, motion, candidates_of(pairs, i),
-                   times.size());
-    }
-    good = good && write_whole(file, "times", {times.size()}, times.data(), plain_layout());
-    if (!(file.finish() && good))
-      throw OutputFailure(
-          fmt::format("{}: cannot be written ({})", (folder.path() / file_name).string(), hdf5_failure()));
+      good = good && write_whole(file, "times", {times.size()}, times.data(), plain_layout());
+      return file.finish() && good;
+    });
+    if (vtkhdf && !drawn.empty())
+      guarded(grid, [&](const std::filesystem::path& path) {
+        return write_grid(path, grid_of(drawn, dim, times), dim);
+      });
   });
 }
 

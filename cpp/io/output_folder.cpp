@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Names of a run's files; data files precede the files that refer to them.
-constexpr std::array file_names{"mesh.msh",         "indicators.csv", "surfaces.h5", "state.h5",
-                                "control.h5",       "adjoint.h5",     "state.xdmf",  "control.xdmf",
-                                "adjoint.xdmf",     "steps.csv",      "contact.csv", "obstacles.csv",
-                                "bodies.csv",       "probes.csv",     "history.csv", "parameters.csv",
-                                "measurements.csv", "scenarios.csv",  "scene.toml",  "run.json"};
+constexpr std::array file_names{
+    "mesh.msh",         "indicators.csv", "surfaces.h5",      "state.h5",       "control.h5", "adjoint.h5",
+    "obstacles.vtkhdf", "state.vtkhdf",   "control.vtkhdf",   "adjoint.vtkhdf", "state.xdmf", "control.xdmf",
+    "adjoint.xdmf",     "steps.csv",      "contact.csv",      "obstacles.csv",  "bodies.csv", "probes.csv",
+    "history.csv",      "parameters.csv", "measurements.csv", "scenarios.csv",  "scene.toml", "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
@@ -31,8 +31,9 @@ constexpr const char* checkpoint = "checkpoint.h5";
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
 /// Files that only a search writes, not a simulation.
-constexpr std::array of_search{"history.csv", "parameters.csv", "measurements.csv", "scenarios.csv",
-                               "control.h5",  "control.xdmf",   "adjoint.h5",       "adjoint.xdmf"};
+constexpr std::array of_search{"history.csv",    "parameters.csv", "measurements.csv", "scenarios.csv",
+                               "control.h5",     "control.vtkhdf", "control.xdmf",     "adjoint.h5",
+                               "adjoint.vtkhdf", "adjoint.xdmf"};
 
 /// Whether postprocess/ made a file, according to a mark near the file's beginning. In a page the mark is
 /// <meta name="generator" content="signorini report">, in a picture the comment.

@@ -225,7 +225,7 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
 control::Control as_stored(const control::ControlSpace& controls, const scene::Control& here,
                            const fs::path& folder, const std::string& key, const std::string& why) {
   const MPI_Comm comm = controls.space().comm();
-  const fs::path echo = folder / "scene.toml", file = folder / "control.h5";
+  const fs::path echo = folder / "scene.toml", file = fields_file(folder, "control");
   const auto fail = [&](const std::string& problem) {
     throw UserError(fmt::format("{}: {}: {}", key, file.string(), problem));
   };

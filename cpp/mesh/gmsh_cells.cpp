@@ -15,36 +15,13 @@ const char* entity_kind(int dim) {
   return names.at(dim);
 }
 
-std::string foreign_elements(int dim, int entity) {
-  std::vector<int> types;
-  gmsh::model::mesh::getElementTypes(types, dim, entity);
-  for (int type : types) {
-    std::string name;
-    int element_dim = 0, order = 0, nodes = 0, primary = 0;
-    std::vector<double> local;
-    gmsh::model::mesh::getElementProperties(type, name, element_dim, order, nodes, local, primary);
-    if (nodes != dim + 1)
-      return name;
-  }
-  return {};
-}
-
-std::vector<std::int64_t> node_tags(int dim, int entity) {
-  std::vector<int> types;
-  std::vector<std::vector<std::size_t>> elements, nodes;
-  gmsh::model::mesh::getElements(types, elements, nodes, dim, entity);
-  std::vector<std::int64_t> tags;
-  for (const auto& block : nodes)
-    tags.insert(tags.end(), block.begin(), block.end());
-  return tags;
-}
-
 GmshCells::GmshCells(const scene::Mesh& mesh, bool entities_are_groups)
-    : file_(mesh.file.string()), metres_(scene::metres(mesh.unit)),
+    : file_(mesh.file.string()), split_(mesh.split), degree_(mesh.degree), metres_(mesh.metres()),
       entities_are_groups_(entities_are_groups) {
   require_dimension();
   if (entities_are_groups_)
     number_from_one();
+  read_nodes();
   const std::vector<std::int64_t> cells = cell_tags();
   number_points(cells);
   raw_.cells = rows_of(cells);
@@ -89,27 +66,57 @@ std::vector<std::int64_t> GmshCells::cell_tags() {
   gmsh::vectorpair entities;
   gmsh::model::getEntities(entities, raw_.dim);
   std::vector<std::int64_t> cells;
+  GmshElements elements(split_, [this](std::int64_t tag) { return coordinates(tag); });
   for (const auto& [dim, entity] : entities) {
-    if (const std::string name = foreign_elements(dim, entity); !name.empty())
-      fail(fmt::format("found elements of type \"{}\", not {}; mesh with Mesh.ElementOrder = 1 and without "
-                       "Recombine (mesh.degree = 2 gives displacements of degree 2)",
-                       name, words(dim).straight_cells));
-    const std::vector<std::int64_t> own = node_tags(dim, entity);
+    const auto [own, refused] = elements.read(dim, entity);
+    if (!refused.empty())
+      fail(fmt::format("found elements of type \"{}\", not {}; set mesh.split = true, which divides them",
+                       refused, words(dim).straight_cells));
     const auto begin = static_cast<std::int64_t>(cells.size());
     cells.insert(cells.end(), own.begin(), own.end());
     const auto end = static_cast<std::int64_t>(cells.size());
     if (begin < end)
       range_[entity] = {begin / (dim + 1), end / (dim + 1)};
   }
+  judge(elements);
   return cells;
 }
 
-void GmshCells::number_points(const std::vector<std::int64_t>& cells) {
+void GmshCells::judge(const GmshElements& elements) {
+  constexpr double straight = 1e-3; // less than what the coordinates of short formats are rounded by
+  const Words& word = words(raw_.dim);
+  if (elements.bend() > straight && degree_ > 1)
+    fail(fmt::format("has curved elements: the node at {} is {:.2g} of its element's diameter away from "
+                     "where it is in a straight one. mesh.degree = 2 needs straight {}; set mesh.degree = 1, "
+                     "which takes the vertices, or mesh with straight elements",
+                     point_text(coordinates(elements.bent_node()).data(), raw_.dim), elements.bend(),
+                     word.cells));
+  if (elements.of_higher_order() > 0)
+    raw_.notes.push_back(
+        fmt::format("{} elements of higher order are taken at their vertices{}", elements.of_higher_order(),
+                    elements.bend() > straight
+                        ? fmt::format("; they are curved, by up to {:.2g} of their diameter", elements.bend())
+                        : ""));
+  if (elements.divided() > 0)
+    raw_.notes.push_back(fmt::format("{} elements are divided into {}", elements.divided(), word.cells));
+  else if (split_)
+    fail(fmt::format("mesh.split has no effect: the file has {} only; remove it", word.cells));
+}
+
+GmshElements::Found GmshCells::read_facets(int entity) const {
+  return GmshElements(split_, [this](std::int64_t tag) { return coordinates(tag); })
+      .read(raw_.dim - 1, entity);
+}
+
+void GmshCells::read_nodes() {
   std::vector<std::size_t> tags;
   std::vector<double> parametric;
   gmsh::model::mesh::getNodes(tags, drawn_, parametric);
   for (std::size_t i = 0; i < tags.size(); ++i)
     drawn_row_[static_cast<std::int64_t>(tags[i])] = i;
+}
+
+void GmshCells::number_points(const std::vector<std::int64_t>& cells) {
   std::vector<std::int64_t> used = cells;
   std::ranges::sort(used);
   const auto [last, end] = std::ranges::unique(used);
@@ -137,6 +144,7 @@ void GmshCells::require_node(std::int64_t tag) const {
 }
 
 std::array<double, 3> GmshCells::coordinates(std::int64_t tag) const {
+  require_node(tag);
   const double* x = &drawn_[3 * drawn_row_.at(tag)];
   return {metres_ * x[0], metres_ * x[1], metres_ * x[2]};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "mesh/facets.h"
+#include "mesh/gmsh_elements.h"
 #include "mesh/msh_file.h"
 #include "mesh/raw_mesh.h"
 #include "mesh/simplex.h"
@@ -46,13 +47,6 @@ inline const Words& words(int dim) { return dim == 2 ? plane_words : space_words
 /// Name of an entity of dimension `dim` in a .geo file: point, curve, surface or volume.
 const char* entity_kind(int dim);
 
-/// Returns gmsh's name of the first element type in the entity other than straight simplices of dimension
-/// `dim`; empty if there is none.
-std::string foreign_elements(int dim, int entity);
-
-/// Tags of the nodes of an entity's elements, element by element.
-std::vector<std::int64_t> node_tags(int dim, int entity);
-
 /// Validated points and cells of gmsh's current model: triangles in the plane z = 0, or tetrahedra.
 class GmshCells {
 public:
@@ -76,6 +70,9 @@ public:
     return entities_of_;
   }
 
+  /// Reads the facets of an entity of the lower dimension as GmshElements does.
+  [[nodiscard]] GmshElements::Found read_facets(int entity) const;
+
   /// Whether some cell has the node with this tag.
   [[nodiscard]] bool has(std::int64_t tag) const { return number_.contains(tag); }
   /// Rows in raw().points of nodes, by their tags; each node must belong to a cell.
@@ -93,6 +90,8 @@ private:
   /// number to a group that is traversed backwards, and takes a negative number in a call to mean all
   /// entities.
   void number_from_one();
+  /// Reads the coordinates of all nodes of the file.
+  void read_nodes();
   /// Returns the tags of the nodes of all cells, entity by entity, and sets the range of rows of each entity.
   std::vector<std::int64_t> cell_tags();
   void number_points(const std::vector<std::int64_t>& cells);
@@ -109,7 +108,13 @@ private:
   /// Coordinates of a node as text for messages, m.
   [[nodiscard]] std::string place(std::int64_t node) const;
 
+  /// Throws UserError if the cells are curved and displacements have degree 2, or if none of them is divided
+  /// though the scene asks for it; adds notes on elements that are not taken as they are.
+  void judge(const GmshElements& elements);
+
   std::string file_;
+  bool split_;    ///< mesh.split
+  int degree_;    ///< mesh.degree
   double metres_; ///< length of the file's unit, m
   bool entities_are_groups_;
   std::map<std::pair<int, int>, std::vector<int>> entities_of_;

@@ -126,13 +126,13 @@ private:
     const Words& word = words(raw_.dim);
     std::vector<std::int64_t>& facets = raw_.facets[name];
     for (int entity : group.entities) {
-      if (const std::string type = foreign_elements(group.dim, entity); !type.empty()) {
-        raw_.unusable[group.dim][name] = fmt::format(
-            "has elements of type \"{}\", not {}; mesh with Mesh.ElementOrder = 1 and without Recombine",
-            type, word.straight_facets);
+      const auto [tags, refused] = cells_.read_facets(entity);
+      if (!refused.empty()) {
+        raw_.unusable[group.dim][name] =
+            fmt::format("has elements of type \"{}\", not {}; set mesh.split = true, which divides them",
+                        refused, word.straight_facets);
         return;
       }
-      const std::vector<std::int64_t> tags = node_tags(group.dim, entity);
       std::ranges::for_each(tags, [&](std::int64_t tag) { cells_.require_node(tag); });
       for (std::size_t i = 0; i < tags.size(); i += raw_.dim) {
         const std::span own(&tags[i], raw_.dim);

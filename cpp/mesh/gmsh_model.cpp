@@ -2,6 +2,7 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
 #include "mesh/gmsh_cells.h"
+#include "mesh/gmsh_shapes.h"
 #include "mesh/size_field.h"
 #include <algorithm>
 #include <array>
@@ -118,7 +119,7 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   if (dim < 2)
     return;
   const std::array<double, 3> sides = sides_of_model();
-  const double metres = scene::metres(mesh.unit), longest = std::ranges::max(sides);
+  const double metres = mesh.metres(), longest = std::ranges::max(sides);
   constexpr double coarsest = 10; // times the body
   if (*mesh.size > coarsest * (metres * longest))
     throw UserError(fmt::format("mesh.size: found {:.4g} m; expected at most {:.3g} m for a body of {:.3g} m "
@@ -175,6 +176,18 @@ void require_last_line(const std::string& file) {
                     file));
 }
 
+/// Reads a CAD file again, with solids made of its faces, if it has faces in space alone, as many .iges have.
+void make_solids(const std::string& file) {
+  const std::array<double, 3> sides = sides_of_model();
+  constexpr double flat = 1e-6; // more than the tolerance by which boxes are larger
+  if (gmsh::model::getDimension() != 2 || sides[2] < flat * std::max(sides[0], sides[1]))
+    return;
+  gmsh::clear();
+  gmsh::option::setNumber("Geometry.OCCSewFaces", 1);
+  gmsh::option::setNumber("Geometry.OCCMakeSolids", 1);
+  gmsh::open(file);
+}
+
 /// Joins the partitions of a mesh and drops their ghost cells, which are copies.
 void join_partitions() {
   if (gmsh::model::getNumberOfPartitions() > 0)
@@ -229,19 +242,25 @@ bool is_to_be_meshed(const scene::Mesh& mesh) {
 
 } // namespace
 
-RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
+RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing,
+                       const std::optional<std::string>& converted) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
-    throw UserError(fmt::format("mesh.file: {} cannot be read; give the path of a .geo or .msh file", file));
+    throw UserError(fmt::format("mesh.file: {} cannot be read; give the path of a mesh or a geometry", file));
   std::optional<MshFile> msh;
-  if (mesh.meshed())
+  if (converted)
+    msh.emplace(file, *converted);
+  else if (mesh.format() == scene::MeshFormat::msh)
     msh.emplace(mesh.file);
   const std::string opened = msh ? msh->path() : file;
   const auto cannot_read = [&](std::string said) {
     if (const std::size_t at = said.find(opened); at != std::string::npos)
       said.replace(at, opened.size(), file);
     return UserError(fmt::format("{}: gmsh cannot read it: {}{}", file, said,
-                                 msh ? "; write the file again, with gmsh or as MSH 2.2" : ""));
+                                 msh ? "; write the file again, with gmsh or as MSH 2.2"
+                                 : mesh.format() == scene::MeshFormat::script
+                                     ? ""
+                                     : "; check that the file is complete"));
   };
   const Session session;
   std::vector<std::string> notes;
@@ -249,12 +268,14 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
     const bool groups_per_cell = msh && msh->version() < 3;
     if (groups_per_cell) // read by groups: entities may be anything, such as all of them 1
       gmsh::option::setNumber("Mesh.SwitchElementTags", 1);
-    if (!msh)
+    if (mesh.format() == scene::MeshFormat::script)
       require_last_line(file);
     gmsh::open(opened);
+    if (mesh.format() == scene::MeshFormat::shape)
+      make_solids(opened);
     join_partitions();
     if (!mesh.meshed()) {
-      const double metres = scene::metres(mesh.unit);
+      const double metres = mesh.metres();
       if (meshing.sizes) {
         set_sizes(*meshing.sizes, metres);
       } else if (mesh.automatic()) {
@@ -265,8 +286,11 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
       }
       gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
       notes = ask_for_straight_simplices();
-      if (is_to_be_meshed(mesh))
+      if (is_to_be_meshed(mesh)) {
+        if (mesh.format() == scene::MeshFormat::shape)
+          group_shapes();
         gmsh::model::mesh::generate(gmsh::model::getDimension());
+      }
     }
     if (const std::string error = complaint(""); !error.empty())
       throw cannot_read(error);

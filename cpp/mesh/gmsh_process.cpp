@@ -3,13 +3,15 @@
 #include "base/error.h"
 #include "base/subprocess.h"
 #include "mesh/gmsh_request.h"
+#include "mesh/meshio_process.h"
 #include <fmt/format.h>
 
 namespace signorini::mesh {
 namespace {
 
-std::optional<std::string> ask(const GmshRequest& request, std::optional<unsigned> seconds = {}) {
-  return in_subprocess(find_program("signorini-gmsh"), packed(request), seconds);
+/// `seconds`: limit on the processor time of the answer; 0: none.
+std::optional<std::string> ask(const GmshRequest& request, unsigned seconds = 0) {
+  return in_subprocess({find_program("signorini-gmsh"), std::to_string(seconds)}, packed(request));
 }
 
 } // namespace
@@ -23,11 +25,13 @@ void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::Le
 
 RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
   // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
-  std::optional<unsigned> seconds;
+  unsigned seconds = 0;
   if (std::error_code missing; mesh.meshed())
     if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
       seconds = 5 + static_cast<unsigned>(size / 1'000'000);
   GmshRequest request{.mesh = mesh, .keep = meshing.keep};
+  if (mesh.format() == scene::MeshFormat::meshio)
+    request.msh = read_by_meshio(mesh.file);
   if (meshing.sizes)
     request.sizes = *meshing.sizes;
   const std::optional<std::string> answer = ask(request, seconds);

@@ -10,9 +10,11 @@ namespace signorini::mesh {
 
 /// Request to the program signorini-gmsh: either to read or mesh a file, or to write one.
 struct GmshRequest {
-  scene::Mesh mesh; ///< the file, and how to mesh it; mesh.degree is not sent
+  scene::Mesh mesh; ///< the file, and how to mesh it
   std::optional<SizeField> sizes{};
   std::filesystem::path keep{};
+  std::optional<std::string>
+      msh{}; ///< text of a .msh to read in place of the file, which was converted to it
   std::optional<RawMesh> written{}; ///< mesh to write to the file; absent for requests to read
 };
 

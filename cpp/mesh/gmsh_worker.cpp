@@ -26,7 +26,7 @@ std::string answer(const std::string& bytes) {
       return {done};
     }
     const Meshing meshing{.sizes = request.sizes ? &*request.sizes : nullptr, .keep = request.keep};
-    return done + packed(read_gmsh_here(request.mesh, meshing));
+    return done + packed(read_gmsh_here(request.mesh, meshing, request.msh));
   } catch (const std::exception& error) {
     return failed + std::string(error.what());
   }

@@ -86,6 +86,7 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
 RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path& file) {
   write_msh(raw, file, scene.unit);
   scene.file = file;
+  scene.split = false; // the simplices were written
   RawMesh again = read_gmsh(scene);
   again.unusable = raw.unusable;
   again.notes = raw.notes;

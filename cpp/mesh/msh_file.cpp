@@ -100,14 +100,24 @@ int nameless_file() {
 
 } // namespace
 
-MshFile::MshFile(const std::filesystem::path& file) {
+namespace {
+
+std::string content(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad())
     throw UserError(
-        fmt::format("mesh.file: {} cannot be read; give the path of a .geo or .msh file", file.string()));
-  require_beginning(file.string(), text);
-  require_end(file.string(), text);
+        fmt::format("mesh.file: {} cannot be read; give the path of a mesh or a geometry", file.string()));
+  return text;
+}
+
+} // namespace
+
+MshFile::MshFile(const std::filesystem::path& file) : MshFile(file.string(), content(file)) {}
+
+MshFile::MshFile(const std::string& name, const std::string& text) {
+  require_beginning(name, text);
+  require_end(name, text);
   version_ = std::strtod(behind("$MeshFormat", text).c_str(), nullptr);
   group_names_ = names_in(text);
   if (version_ < 3)
@@ -117,8 +127,7 @@ MshFile::MshFile(const std::filesystem::path& file) {
     const std::string reason = std::generic_category().message(errno);
     if (copy_ >= 0)
       close(copy_);
-    throw UserError(
-        fmt::format("{}: cannot be copied into memory ({}); use a smaller mesh", file.string(), reason));
+    throw UserError(fmt::format("{}: cannot be copied into memory ({}); use a smaller mesh", name, reason));
   }
   lseek(copy_, 0, SEEK_SET); // where opening a descriptor anew does not
   path_ = fmt::format("{}/{}", descriptors, copy_);

@@ -16,6 +16,8 @@ public:
   /// Copies and validates the file. Throws UserError if the file cannot be read, does not begin with
   /// $MeshFormat or $Comments, is truncated or does not fit into memory. Not collective.
   explicit MshFile(const std::filesystem::path& file);
+  /// Copies and validates the text of a file; `name`: name of the file, for messages.
+  MshFile(const std::string& name, const std::string& text);
   ~MshFile();
   MshFile(const MshFile&) = delete;
   MshFile& operator=(const MshFile&) = delete;

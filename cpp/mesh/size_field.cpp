@@ -2,6 +2,7 @@
 #include "mesh/size_field.h"
 #include "base/collective.h"
 #include "base/dolfinx_versions.h"
+#include "base/point.h"
 #include "mesh/facets.h"
 #include "mesh/simplex.h"
 #include <algorithm>
@@ -28,18 +29,6 @@ double volume_of(const SizeField& field, std::size_t cell) {
                         [&](int i) { return &field.points[3 * static_cast<std::size_t>(corners[i])]; });
   return simplex.abs_determinant() / (field.dim == 2 ? 2 : 6);
 }
-
-struct Point {
-  double x = 0, y = 0, z = 0;
-  friend Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Point operator*(const Point& a, double s) { return {s * a.x, s * a.y, s * a.z}; }
-  [[nodiscard]] double dot(const Point& b) const { return x * b.x + y * b.y + z * b.z; }
-  [[nodiscard]] Point cross(const Point& b) const {
-    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
-  }
-  [[nodiscard]] double norm() const { return std::hypot(x, y, z); }
-};
 
 Point point(const SizeField& field, std::size_t node) {
   const double* x = &field.points[3 * node];
@@ -97,7 +86,7 @@ void limit_growth(SizeField& field) {
         for (std::size_t j = 0; j < corners; ++j) {
           const auto a = static_cast<std::size_t>(field.cells[first + i]),
                      b = static_cast<std::size_t>(field.cells[first + j]);
-          const double most = field.sizes[a] + growth * (point(field, a) - point(field, b)).norm();
+          const double most = field.sizes[a] + growth * length(from(point(field, a), point(field, b)));
           if (field.sizes[b] > most * (1 + rounding))
             field.sizes[b] = most, changed = true;
         }
@@ -117,12 +106,12 @@ void limit_by_curvature(SizeField& field, double around) {
     Point middle{};
     for (const std::int64_t node : nodes) {
       at.push_back(point(field, static_cast<std::size_t>(node)));
-      middle = middle + at.back() * (1.0 / static_cast<double>(nodes.size()));
+      middle = along(middle, 1.0 / static_cast<double>(nodes.size()), at.back());
     }
-    const Point along = at[1] - at[0];
-    Point normal = field.dim == 2 ? Point{-along.y, along.x, 0} : along.cross(at[2] - at[0]);
-    const double inwards = normal.dot(point(field, static_cast<std::size_t>(opposite)) - middle);
-    normal = normal * ((inwards > 0 ? -1 : 1) / normal.norm());
+    const Point edge = from(at[0], at[1]);
+    Point normal = field.dim == 2 ? Point{-edge[1], edge[0], 0} : cross(edge, from(at[0], at[2]));
+    const double inwards = dot(normal, from(middle, point(field, static_cast<std::size_t>(opposite))));
+    normal = scaled((inwards > 0 ? -1 : 1) / length(normal), normal);
     for (std::size_t left_out = 0; left_out < nodes.size(); ++left_out) {
       std::vector<std::int64_t> ridge = nodes;
       ridge.erase(ridge.begin() + static_cast<std::ptrdiff_t>(left_out));
@@ -132,8 +121,8 @@ void limit_by_curvature(SizeField& field, double around) {
   for (const auto& [nodes, facets] : ridges) {
     if (facets.size() != 2)
       continue;
-    const double turn = std::acos(std::clamp(facets[0].normal.dot(facets[1].normal), -1.0, 1.0)),
-                 curvature = turn / (facets[0].middle - facets[1].middle).norm();
+    const double turn = std::acos(std::clamp(dot(facets[0].normal, facets[1].normal), -1.0, 1.0)),
+                 curvature = turn / length(from(facets[1].middle, facets[0].middle));
     if (!(turn < corner) || !(curvature > 0))
       continue;
     for (const std::int64_t node : nodes) {

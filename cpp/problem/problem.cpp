@@ -308,8 +308,8 @@ void choose_steps(Problem& problem, const Console& console) {
 Displacements given_motion(const Problem& problem, bool keep) {
   if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
     const auto stored =
-        std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5", "displacement",
-                                          "objective.desired.run", problem.stepper.end());
+        std::make_shared<io::StoredField>(problem.space, io::fields_file(run->folder, "state"),
+                                          "displacement", "objective.desired.run", problem.stepper.end());
     return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, keep);
   }
   const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
@@ -334,8 +334,8 @@ std::optional<Warning> desired_run_spacing_warning(const Problem& problem) {
   const step::TimeGrid& grid = problem.grid;
   std::vector<double> times;
   try {
-    times = io::StoredField(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
-                            grid.end())
+    times = io::StoredField(problem.space, io::fields_file(run->folder, "state"), "displacement",
+                            "objective.desired.run", grid.end())
                 .times();
   } catch (const UserError&) { // the file is gone since it was read
     return std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/choices.h"
+#include "scene/mesh_format.h"
 #include "scene/time_series.h"
 #include <filesystem>
 #include <memory>
@@ -41,12 +42,13 @@ using Components = std::vector<Expression>;
 
 /// Table [mesh].
 struct Mesh {
-  std::filesystem::path file; ///< path of a .geo or .msh file, absolute
+  std::filesystem::path file; ///< path of a geometry or a mesh, absolute
   std::optional<double>
-      size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
+      size{};       ///< element size of a geometry, m; 0: "auto"; absent: the sizes that a .geo itself sets
   double scale = 1; ///< factor on the sizes that the .geo itself sets
-  LengthUnit unit = LengthUnit::m;   ///< unit of the file's coordinates
-  int degree = 1;                    ///< Lagrange degree of the displacement
+  LengthUnit unit = LengthUnit::m; ///< unit of the file's coordinates
+  bool split = false; ///< whether quadrilaterals, hexahedra, prisms and pyramids are divided into simplices
+  int degree = 1;     ///< Lagrange degree of the displacement
   std::optional<PlaneModel> model{}; ///< absent in space; in the plane absent means plane strain
   /// .geo of the same body with element sizes graded by the estimated error; set by the program, not a key.
   std::filesystem::path graded{};
@@ -59,8 +61,14 @@ struct Mesh {
   [[nodiscard]] bool axisymmetric() const { return model == PlaneModel::axisymmetric; }
   /// Whether the element size is "auto", chosen by the estimated error (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }
-  /// Whether the file is a mesh already, a .msh.
-  [[nodiscard]] bool meshed() const { return file.extension() == ".msh"; }
+  /// Length of the unit of the file's coordinates, m. Files that name their unit are read in mm.
+  [[nodiscard]] double metres() const { return scene::metres(names_its_unit(file) ? LengthUnit::mm : unit); }
+  /// Format of the file; a .geo if its extension is unknown.
+  [[nodiscard]] MeshFormat format() const { return mesh_format(file).value_or(MeshFormat::script); }
+  /// Whether the file is a mesh already, not a geometry that the program meshes.
+  [[nodiscard]] bool meshed() const {
+    return format() != MeshFormat::script && format() != MeshFormat::shape;
+  }
 };
 
 /// Viscosity of a material; docs/method.md section 1.

@@ -6,15 +6,24 @@
 namespace signorini::scene {
 
 void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
-  const std::string extension = mesh.file.extension().string();
-  const bool meshed = extension == ".msh";
-  if (extension != ".geo" && !meshed)
-    in.fail("file", fmt::format("found \"{}\"; expected a file that ends in .geo or .msh", in.text("file")));
+  const std::optional<MeshFormat> format = mesh_format(mesh.file);
+  if (!format)
+    in.fail("file",
+            fmt::format("found \"{}\"; expected a file that ends in {}", in.text("file"), mesh_extensions()));
+  const bool meshed = mesh.meshed(), shape = format == MeshFormat::shape;
   if (mesh.size && meshed)
-    in.fail("size", "has no effect on a .msh, which is meshed already; use it with a .geo");
-  if (in.has("scale") && (meshed || mesh.size))
+    in.fail("size", "has no effect on a mesh; use it with a geometry, such as a .geo");
+  if (in.has("scale") && (meshed || mesh.size || shape))
     in.fail("scale", fmt::format("has no effect {}; use it with a .geo that sets its own sizes",
-                                 mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
+                                 mesh.size ? "beside mesh.size"
+                                 : shape   ? "on a CAD file, which has no sizes"
+                                           : "on a mesh"));
+  if (shape && !mesh.size)
+    in.fail("size", "missing: a CAD file has no element sizes; give one");
+  if (in.has("unit") && names_its_unit(mesh.file))
+    in.fail("unit", "has no effect on this CAD file, which names its unit; remove it");
+  if (in.has("split") && shape)
+    in.fail("split", "has no effect on a CAD file, which is meshed with triangles or tetrahedra; remove it");
 }
 
 std::string excess_of_fractions(const Material& material) {

@@ -213,6 +213,9 @@ constexpr Names<9> names(StoredField) {
           "stress",       "von_mises", "pressure", "friction"};
 }
 
+enum class FieldFormat { xdmf, vtkhdf };
+constexpr Names<2> names(FieldFormat) { return {"xdmf", "vtkhdf"}; }
+
 enum class StoredTable {
   steps,
   contact,

@@ -90,6 +90,14 @@ std::vector<Component> Acting::read(Reader& in, Name key, const Scene& scene) {
   return components;
 }
 
+std::vector<FieldFormat> Formats::read(Reader& in, Name key, const Scene& scene) {
+  std::vector<FieldFormat> formats = Set::read(in, key, scene);
+  if (formats.empty())
+    in.fail(key, "found []; expected at least one format, such as [\"vtkhdf\"]. `output.fields = []` stores "
+                 "no fields");
+  return formats;
+}
+
 Json Expressions::schema() const {
   return array(time ? Json{{"anyOf", {expression, time_series}}} : expression, 2);
 }

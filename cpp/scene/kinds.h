@@ -124,6 +124,11 @@ struct Acting : Set<Component> {
   static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
 };
 
+/// A list of the formats of stored fields; at least one.
+struct Formats : Set<FieldFormat> {
+  static std::vector<FieldFormat> read(Reader& in, Name key, const Scene& scene);
+};
+
 /// An expression in x, y, z, and in t too if `time` is true.
 struct Formula : Text {
   bool time = false;

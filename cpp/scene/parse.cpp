@@ -207,8 +207,8 @@ bool rests(const Control& control) {
 std::string no_coarse_start(const Scene& scene) {
   if (!scene.unknowns.empty())
     return "with tables [[unknown]]; set it to \"guess\"";
-  if (scene.mesh.file.extension() != ".geo")
-    return "with a .msh, from which no coarser meshes can be made; use a .geo and mesh.size, or set "
+  if (scene.mesh.meshed())
+    return "with a mesh, from which no coarser meshes can be made; use a .geo and mesh.size, or set "
            "optimizer.start to \"guess\"";
   if (!scene.mesh.size || scene.mesh.automatic())
     return "without mesh.size, whose multiples are the sizes of the coarse meshes; give mesh.size, or set "

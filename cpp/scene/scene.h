@@ -313,6 +313,7 @@ struct Output {
       StoredTable::steps,    StoredTable::contact, StoredTable::obstacles,  StoredTable::bodies,
       StoredTable::probes,   StoredTable::history, StoredTable::parameters, StoredTable::measurements,
       StoredTable::scenarios}; ///< tables to write where a run has them
+  std::vector<FieldFormat> formats{FieldFormat::xdmf, FieldFormat::vtkhdf}; ///< files of stored fields
   std::vector<Probe> probes;
 
   static constexpr int most_frames = 300; ///< largest number of stored times after t = 0 if `every` is absent
@@ -322,6 +323,8 @@ struct Output {
 
   /// Whether a field is to be stored.
   [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
+  /// Whether fields are to be written in a format.
+  [[nodiscard]] bool in(FieldFormat one) const { return std::ranges::find(formats, one) != formats.end(); }
   /// Whether a table is to be written.
   [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }
 };

@@ -30,21 +30,27 @@ Key<T> side() {
 
 Keys<Mesh> keys_of(Of<Mesh>) {
   return {
-      required(
-          "file", &Mesh::file, Path{}, "",
-          "a .geo, which the program meshes, or a .msh; the path is relative to the scene file. The scene "
-          "names physical groups of this file",
-          {.part = Part::none}),
-      value("size", &Mesh::size, NumberOrAuto{{above_zero}}, "m",
-            "element size for a .geo; `\"auto\"`: variable sizes, small where the error arises (only with "
-            "`--accuracy`)",
-            {.otherwise = "the sizes that the .geo sets"}),
+      required("file", &Mesh::file, Path{}, "",
+               "geometry (.geo or CAD), which the program meshes, or mesh (see Mesh files); the path is "
+               "relative to "
+               "the scene file. The scene names groups of this file",
+               {.part = Part::none}),
+      value(
+          "size", &Mesh::size, NumberOrAuto{{above_zero}}, "m",
+          "element size for a geometry; `\"auto\"`: variable sizes, small where the error arises (only with "
+          "`--accuracy`)",
+          {.otherwise = "the sizes that the .geo sets; required for CAD"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
             "in place of `mesh.size`: factor on the element sizes that the .geo sets", {.otherwise = "1.0"},
             [](const Mesh& mesh) { return !mesh.size && !mesh.meshed(); }),
       value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
             "length unit of the coordinates in the file, which are converted to metres; all other lengths of "
-            "a scene, also `mesh.size`, are in metres"),
+            "a scene, also `mesh.size`, are in metres. A .step or .iges names its unit itself",
+            {}, [](const Mesh& mesh) { return !names_its_unit(mesh.file); }),
+      value("split", &Mesh::split, Flag{}, "",
+            "`true`: quadrilaterals, hexahedra, prisms and pyramids of a mesh are divided into triangles or "
+            "tetrahedra; else they are refused",
+            {}, [](const Mesh& mesh) { return mesh.format() != MeshFormat::shape; }),
       value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement"),
       value("model", &Mesh::model, Choice<PlaneModel>{}, "",
             "model of a body in the plane (see Bodies in the plane). `\"plane-strain\"`: a slice of a long "
@@ -797,6 +803,12 @@ Keys<Output> keys_of(Of<Output>) {
             "fields to store, if the verb computes them; `\"strain\"`, `\"stress\"`, `\"von_mises\"`, "
             "`\"pressure\"` and `\"friction\"` are stored only if named (see Stress and pressure). `[]` "
             "stores none and saves their cost",
+            {.effect = "stored fields"}),
+      value("format", &Output::formats, Formats{}, "",
+            "files of stored fields: `\"xdmf\"` for ParaView, meshio and the program's own pages; "
+            "`\"vtkhdf\"` for "
+            "ParaView, VTK and PyVista, with the obstacles. The values are in a `.h5` file for both; with "
+            "`[\"vtkhdf\"]` each `.vtkhdf` file has its own",
             {.effect = "stored fields"}),
       value("tables", &Output::tables, Set<StoredTable>{}, "",
             "tables to write, if the verb computes them; `[]` writes none", {.effect = "tables"}),

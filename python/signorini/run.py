@@ -155,16 +155,15 @@ class Run:
     # --- Fields ------------------------------------------------------------------------------------------
 
     def field(self, name: str, file: str | None = None) -> Field:
-        """Returns a field over time, such as "displacement", "velocity", "control", "adjoint". `file`: name of its .xdmf file,
-        without that ending; by default the file that has it."""
+        """Returns a field over time, such as "displacement", "velocity", "control", "adjoint". `file`: name of its .xdmf or .vtkhdf
+        file, without that ending; by default the file that has it."""
         files = [file] if file else ["state", name, "control", "adjoint"]
         for stem in files:
-            path = f"{stem}.xdmf"
-            if not (self.folder / path).is_file():
+            if not self._run.has_fields(stem):
                 continue
             with self._told():
                 try:
-                    return Field(name, self, self._run.field(path, name))
+                    return Field(name, self, self._run.field(stem, name))
                 except _files.NotInRun:
                     continue
         raise _signorini.SceneError(f"{self.folder}: the run wrote no field {name}")
@@ -173,9 +172,9 @@ class Run:
     def mesh(self) -> object:
         """Mesh of the run's fields: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers), undeformed."""
         for stem in ("state", "control", "adjoint"):
-            if (self.folder / f"{stem}.xdmf").is_file():
+            if self._run.has_fields(stem):
                 with self._told():
-                    return self._run.mesh(f"{stem}.xdmf")
+                    return self._run.mesh(stem)
         raise _signorini.SceneError(f"{self.folder}: the run wrote no field, and no mesh with it")
 
     # --- Page --------------------------------------------------------------------------------------------
@@ -196,7 +195,13 @@ class Run:
         return Page(self.report().read_text(encoding="utf-8"), height)
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        """The run as a table for a notebook; show() has its page."""
+        found = self.manifest
+        rows = {"scene": found.get("scene"), "verb": found.get("verb"), "finished": found.get("finished"), "unknowns": found.get("unknowns"),
+                "steps": found.get("steps", {}).get("done"), "J": found.get("objective", {}).get("value"), "folder": self.folder}  # fmt: skip
+        cells = "".join(f"<tr><th>{name}</th><td>{html.escape(str(value))}</td></tr>" for name, value in rows.items() if value is not None)
+        warned = "".join(f"<li>{html.escape(text)}</li>" for text in self.warnings)
+        return f"<table>{cells}</table>" + (f"<ul>{warned}</ul>" if warned else "")
 
 
 class Page:

@@ -18,8 +18,9 @@ from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, stored, t
 
 BLOCK = SOURCE / "tests" / "data" / "block.toml"
 DROP = SOURCE / "scenes" / "disc-drop.toml"
-FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "state.xdmf", "state.h5",
-         "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5", "indicators.csv"}  # fmt: skip
+FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "obstacles.vtkhdf",
+         "checkpoint.h5", "indicators.csv"}  # fmt: skip
+FILES |= {f"{name}.{ending}" for name in ("state", "control", "adjoint") for ending in ("xdmf", "h5", "vtkhdf")}
 
 
 def command(verb: str, scene: Path, out: Path, *options: str, ranks: int = 1) -> list[str]:

@@ -133,7 +133,8 @@ def paths(value: object, path: str = "") -> set[str]:
 def datasets(file: Path) -> set[str]:
     found: set[str] = set()
     with h5py.File(file) as data:
-        data.visititems(lambda name, one: found.add(name) if isinstance(one, h5py.Dataset) else None)
+        # VTK documents the group VTKHDF.
+        data.visititems(lambda name, one: found.add(name) if isinstance(one, h5py.Dataset) and not name.startswith("VTKHDF/") else None)
     return found
 
 

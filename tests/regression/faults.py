@@ -45,7 +45,7 @@ def results(folder: Path) -> Results:
     for path in folder.iterdir() if folder.exists() else ():
         if path.name.startswith("."):
             continue
-        if path.suffix == ".h5":
+        if path.suffix in (".h5", ".vtkhdf"):
             found[path.name] = read_all(path)
         elif path.name == "run.json":
             run = json.loads(path.read_text())

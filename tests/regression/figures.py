@@ -148,7 +148,7 @@ def test_control_of_one_value_for_each_cell(case: str, tmp_path: Path) -> None:
     signorini("optimize", scene, tmp_path, optimizer__max_iterations=1, control__space="cellwise", **overrides)
     run = RunFolder(tmp_path)
     assert control_magnitude.draw(run)[0].stat().st_size > 5000
-    series = run.field("control.xdmf", "control")
+    series = run.field("control", "control")
     mesh, cells = view_of(run).seen(series.mesh)
     assert series.cellwise and len(series.at(0)) == len(series.mesh.cells)
     assert all(set(shown) <= set(series.mesh.cells[cell]) for shown, cell in zip(mesh.cells, cells, strict=True))

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 from harness import HALF_DISC, SIGNORINI, SOURCE, grids, signorini, table
 
-OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "state.xdmf",
-                  "state.h5", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5"}  # fmt: skip
-SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "checkpoint.h5", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}
+OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "surfaces.h5", "obstacles.vtkhdf",
+                  "checkpoint.h5"}  # fmt: skip
+FIELD_FILES = {name: {f"{name}.{ending}" for ending in ("xdmf", "h5", "vtkhdf")} for name in ("state", "control", "adjoint")}
+OPTIMIZE_FILES = OPTIMIZE_FILES.union(*FIELD_FILES.values())
+SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "checkpoint.h5"} - FIELD_FILES["control"] - FIELD_FILES["adjoint"]
 
 
 def interrupted(verb: str, out: Path, which: signal.Signals, when: str, *options: str, ranks: int = 1) -> int:

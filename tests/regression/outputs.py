@@ -325,12 +325,12 @@ def test_clamp_in_space_does_not_move(ball: Ball) -> None:
 
 # --- [output] ---------------------------------------------------------------------------------------------------------
 
-STATE = {"state.xdmf", "state.h5", "surfaces.h5"}
+STATE = {"state.xdmf", "state.h5", "state.vtkhdf", "surfaces.h5", "obstacles.vtkhdf"}
 ASKED = (  # one after the other in one folder
     ("simulate", [], [], set()),
     ("simulate", ["velocity", "control"], ["contact", "history"], STATE | {"contact.csv"}),
-    ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv", "checkpoint.h5"}),
-    ("optimize", ["adjoint", "displacement"], ["steps"], STATE | {"adjoint.xdmf", "adjoint.h5", "steps.csv", "checkpoint.h5"}),
+    ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "control.vtkhdf", "history.csv", "checkpoint.h5"}),
+    ("optimize", ["adjoint", "displacement"], ["steps"], STATE | {"adjoint.xdmf", "adjoint.h5", "adjoint.vtkhdf", "steps.csv", "checkpoint.h5"}),
     ("optimize", ["stress", "von_mises", "strain", "pressure"], [], STATE | {"checkpoint.h5"}),
     ("simulate", ["pressure"], [], STATE | {"checkpoint.h5"}),  # the search's, which stays
 )

@@ -110,7 +110,7 @@ def test_gaps_lead_to_the_surface(shapes: dict[str, RunFolder], name: str, numbe
 def test_gaps_of_a_moving_plane(shapes: dict[str, RunFolder]) -> None:
     """At any time they are the distance of the moved nodes; drawn enlarged, the nearest node has so many times the gap."""
     run = shapes["plane"]
-    series, own, jaw = run.field("state.xdmf", "displacement"), run.contact.of(0), run.obstacles[0]
+    series, own, jaw = run.field("state", "displacement"), run.contact.of(0), run.obstacles[0]
     assert jaw.moves and jaw.rigid and jaw.flat and (own.force > 0).any() and len(own.times) == len(series.times) == len(jaw.times)
     nodes = [int(np.abs(series.mesh.points - point).max(axis=1).argmin()) for point in own.points]
     enlarged, normal = 7.0, own.normal[0]
@@ -237,7 +237,7 @@ def test_control_of_one_pushes_with_its_scale(on: dict, space: dict, tmp_path: P
     text = SQUARE + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
     text += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
     run = run_of(tmp_path, "control", text, "optimize", optimizer__max_iterations=0, **on, **space)
-    force = resultant_of(run, run.field("control.xdmf", "control"))
+    force = resultant_of(run, run.field("control", "control"))
     assert force == pytest.approx(np.tile([0.0, -6.0], (10, 1)), rel=0, abs=1e-12)
 
 
@@ -286,7 +286,7 @@ def test_control_of_a_body_of_revolution(on: dict, space: dict, tmp_path: Path) 
     text = REVOLVED.split("[output]")[0] + '[control]\nscale = 3.0\ninitial = ["1", "-2*x"]\n'
     text += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
     run = run_of(tmp_path, "control", text, "optimize", optimizer__max_iterations=0, **on, **space)
-    control = run.field("control.xdmf", "control")
+    control = run.field("control", "control")
     points, cells = control.mesh.points, control.mesh.cells
     value = control.at(0)[:, 1] if space else control.at(0)[cells, 1]  # of each cell or of its corners
     assert np.ptp(value) > 10 and (control.at(0)[:, 0] > 0).any()
@@ -307,7 +307,7 @@ def test_control_of_a_body_of_revolution(on: dict, space: dict, tmp_path: Path) 
 
 def test_film_of_a_body_of_revolution(revolved: RunFolder) -> None:
     """It shows the full section, with pressures."""
-    motion, half = animation.read_motion(revolved), revolved.field("state.xdmf", "displacement").mesh
+    motion, half = animation.read_motion(revolved), revolved.field("state", "displacement").mesh
     x, y = np.moveaxis(motion.position, 2, 0)
     order, image = np.lexsort((y[0], x[0])), np.lexsort((y[0], -x[0]))
     assert np.array_equal(x[:, order], -x[:, image]) and len(half.points) < len(motion.mesh.points) < 2 * len(half.points)

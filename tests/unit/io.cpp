@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+const std::vector both{scene::FieldFormat::xdmf, scene::FieldFormat::vtkhdf};
+
 /// An empty folder for as long as this object lives, the same on every rank.
 struct Folder {
   fs::path path;
@@ -117,7 +119,7 @@ TEST_CASE("a field that was stored is read as it was, linear between its times, 
   const fem::Space& space = ready.problem.space;
   io::OutputFolder output(space.comm(), folder.path);
   const std::vector<double> times{0, 0.3, 1.0 / 3, 1};
-  io::FieldWriter file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
+  io::FieldWriter file(space, output, "state", {{"displacement", io::Values::nodal}}, times.size(), both);
   for (const std::size_t i : {2U, 0U, 3U, 1U})
     file.write("displacement", i, times[i], test::smooth(space, static_cast<int>(i) + 1));
   file.close();
@@ -174,8 +176,8 @@ TEST_CASE("a stored time costs the same however many came before, and the index 
     CAPTURE(times);
     io::OutputFolder output(space.comm(), folder.path);
     const double before = bytes_written();
-    io::FieldWriter file(space, output, "state.xdmf",
-                         {{"displacement", io::Values::nodal}, {"velocity", io::Values::nodal}}, times);
+    io::FieldWriter file(space, output, "state",
+                         {{"displacement", io::Values::nodal}, {"velocity", io::Values::nodal}}, times, both);
     for (std::size_t i = 0; i < times; ++i)
       for (const char* field : {"displacement", "velocity"})
         file.write(field, i, 0.125 * static_cast<double>(i), values);

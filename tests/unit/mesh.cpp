@@ -395,7 +395,7 @@ TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
       CHECK_THROWS_AS(mesh::read_gmsh({.file = entry.path(), .size = {}}), UserError);
     }
   CHECK(found > 0);
-  CHECK(in_subprocess("/bin/true", "a request") == ""); // which ends well, but answers nothing
-  CHECK_THROWS_AS(in_subprocess(test::source("tests/no-such-program"), "a request"), std::runtime_error);
+  CHECK(in_subprocess({"/bin/true"}, "a request") == ""); // which ends well, but answers nothing
+  CHECK_THROWS_AS(in_subprocess({test::source("tests/no-such-program")}, "a request"), std::runtime_error);
   CHECK_THROWS_AS(find_program("no-such-program"), std::runtime_error);
 }

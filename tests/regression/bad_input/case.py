@@ -67,7 +67,7 @@ every = 1
 
 BODY, TOP, BOTTOM, SIDE = 1, 2, 3, 4
 GROUPS = ((2, BODY, "body"), (1, TOP, "top"), (1, BOTTOM, "bottom"), (1, SIDE, "side"))
-LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, PRISM, LINE_3, TRIANGLE_6, TETRAHEDRON_10 = 1, 2, 3, 4, 6, 8, 9, 11
+LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, PRISM, LINE_3, TRIANGLE_6 = 1, 2, 3, 4, 6, 8, 9
 
 
 def square_points() -> list[Point]:

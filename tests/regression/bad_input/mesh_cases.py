@@ -5,7 +5,7 @@ import re
 
 from case import (
     before, BODY, BOTTOM, Case, cube2, cube_elements, cube_points, edited, GEO, GROUPS, LINE, LINE_3, meshed, moved, moved_corner,
-    PRISM, QUADRILATERAL, solid, SPACE_GROUPS, square2, square4, square_elements, square_points, TETRAHEDRON, TETRAHEDRON_10, TOP,
+    PRISM, QUADRILATERAL, solid, SPACE_GROUPS, square2, square4, square_elements, square_points, TETRAHEDRON, TOP,
     TRIANGLE, TRIANGLE_6, with_element, with_space_element,
 )
 
@@ -24,12 +24,14 @@ def mesh_file_cases() -> list[Case]:
         edited("mesh behind a link to itself", file, 'file = "loop/square.msh"', "mesh.file: ", "cannot be resolved", at="file =",
                prepare=lambda folder: (folder / "loop").symlink_to("loop")),
         edited("mesh of a name beyond all limits", file, f'file = "{"a" * 5000}.msh"', "mesh.file: ", "cannot be resolved", at="file ="),
-        edited("mesh of another format", file, 'file = "square.vtk"', 'mesh.file: found "square.vtk"', ".geo or .msh"),
+        edited("mesh of another format", file, 'file = "square.stl"', 'mesh.file: found "square.stl"', "expected a file that ends in .geo, .msh, .step"),
+        edited("split triangles", file, file + "\nsplit = true", "mesh.split has no effect", "triangles only", at=""),
+        edited("split that is no flag", file, file + '\nsplit = "yes"', "mesh.split: found", "true or false", at="split ="),
         edited("size in millimetres", file, 'file = "square.geo"\nunit = "mm"\nsize = 8', "mesh.size: found 8 m",
                "at most 0.01 m for a body of 0.001 m",
                "in metres", at="", mesh_file="square.geo", mesh=GEO),
-        edited("size of a mesh that is meshed", file, file + "\nsize = 4", "mesh.size: ", "no effect on a .msh",
-               "use it with a .geo", at="size = 4"),
+        edited("size of a mesh that is meshed", file, file + "\nsize = 4", "mesh.size: ", "no effect on a mesh",
+               "use it with a geometry", at="size = 4"),
         meshed("geometry with a syntax error", GEO.replace("Line(2) = {2, 3};", "Line(2) = {2, 3;"), "line 6", "syntax",
                **geo),
         meshed("geometry with a syntax error, two ranks", GEO.replace("Line(2) = {2, 3};", "Line(2) = {2, 3;"),
@@ -105,14 +107,14 @@ def mesh_content_cases() -> list[Case]:
         meshed("mesh of a point", square2(elements=[(15, 0, 1, (1,))]), "point", "triangles"),
         meshed("mesh without elements", square2(elements=[]), "no elements"),
         meshed("quadrilaterals", square2(elements=[(QUADRILATERAL, BODY, 1, (1, 2, 5, 4))]), "Quadrilateral",
-               "straight triangles"),
+               "straight triangles", "mesh.split = true"),
         meshed("a quadrilateral among triangles", square2(points=[*square_points(), (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)],
                                                           elements=with_element((QUADRILATERAL, BODY, 1, (3, 10, 11, 6)))),
                "Quadrilateral", "straight triangles"),
-        meshed("triangles of second order", square2(elements=[(TRIANGLE_6, BODY, 1, (1, 3, 7, 2, 5, 4))]), "Triangle 6",
-               "straight triangles", "Mesh.ElementOrder = 1"),
+        meshed("curved triangles", square2(points=moved(5, (0.1, 0.6, 0.0)), elements=[(TRIANGLE_6, BODY, 1, (1, 3, 7, 2, 5, 4))]),
+               "curved elements", "mesh.degree = 1", edits=(('file = "square.msh"', 'file = "square.msh"\ndegree = 2'),)),
         meshed("edges of second order", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] +
-                                                [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "contact.on: ", "Line 3", "Mesh.ElementOrder = 1"),
+                                                [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "contact.on: ", "which belongs to no triangle"),
         meshed("node off the plane", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m", "tetrahedra"),
         meshed("node off the plane, two ranks", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m",
                ranks=2),
@@ -164,7 +166,6 @@ def space_cases() -> list[Case]:
     outside, beyond = (1.5, 0.0, 0.5), (0.0, 0.0, 2.0)
     found, clamped_bottom = ("found 2 components", "3", "3-dimensional"), (('on = "bottom"', 'on = "top"'),)
     hexahedron = (5, BODY, 1, (1, 2, 4, 3, 5, 6, 8, 7))
-    edges = [(x, 0.0, 0.0) for x in range(6)]  # the middles of a tetrahedron's edges; where they are does not matter
     no_bottom = [e for e in cube_elements() if e[1] != BOTTOM]
     return [
         solid("body load of two components in space", cube, "load.body", *found,
@@ -192,8 +193,6 @@ def space_cases() -> list[Case]:
         solid("hexahedra", cube2(elements=[hexahedron]), "Hexahedron", "straight tetrahedra"),
         solid("a prism among tetrahedra", cube2(points=[*cube_points(), outside, beyond], elements=with_space_element(
             (PRISM, BODY, 1, (2, 4, 9, 6, 8, 10)))), "Prism", "straight tetrahedra"),
-        solid("tetrahedra of second order", cube2(points=[*cube_points(), *edges], elements=[
-            (TETRAHEDRON_10, BODY, 1, (1, 2, 4, 8, 9, 10, 11, 12, 13, 14))]), "Tetrahedron 10", "straight tetrahedra"),
         solid("quadrilaterals for a side", cube2(elements=[*no_bottom, (QUADRILATERAL, BOTTOM, BOTTOM, (1, 2, 4, 3))]),
               "contact.on: ", "Quadrilateral", "straight triangles"),
         solid("face of no tetrahedron", cube2(elements=[*no_bottom, (TRIANGLE, BOTTOM, BOTTOM, (1, 2, 3))]),

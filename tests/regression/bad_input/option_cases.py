@@ -115,7 +115,7 @@ def method_cases() -> list[Case]:
         edited("misspelt start", "[optimizer]", '[optimizer]\nstart = "corse"', "optimizer.start: ", '"corse"', 'mean "coarse"?',
                "coarse, guess",
                at="start ="),
-        edited("coarse start on a .msh", "[optimizer]", '[optimizer]\nstart = "coarse"', 'optimizer.start: found "coarse" with a .msh',
+        edited("coarse start on a .msh", "[optimizer]", '[optimizer]\nstart = "coarse"', 'optimizer.start: found "coarse" with a mesh',
                "use a .geo and mesh.size", at="start ="),
         Case("coarse start without a size", ('optimizer.start: found "coarse" without mesh.size', "give mesh.size"), mesh=GEO,
              mesh_file="square.geo",

@@ -77,6 +77,9 @@ def range_cases() -> list[Case]:
         Case("pressure without contact", ('output.fields: found "pressure"', "without contact", "[contact]"), edits=(
             ('[contact]\non = "bottom"\nobstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }\n', ""),
             ("every = 1", 'every = 1\nfields = ["stress", "pressure"]')), at="fields ="),
+        edited("unknown format of output", "every = 1", 'every = 1\nformat = ["vtk"]', "output.format: found", "vtk", "xdmf, vtkhdf", at="format ="),
+        edited("no format of output", "every = 1", "every = 1\nformat = []", "output.format: found []", "expected at least one format",
+               at="format ="),
         edited("unknown table of output", "every = 1", 'every = 1\ntables = ["steps", "energies"]', "output.tables: found",
                "energies", "steps, contact, obstacles, bodies, probes, history", at="tables ="),
         edited("control scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),

@@ -33,6 +33,16 @@ def test_mesh_scale(scale: float, nodes: int, sized: Path, simulate: Runner) -> 
     assert simulate(sized, mesh__scale=scale).manifest["candidates"] == nodes
 
 
+@pytest.mark.key("mesh.split")
+def test_mesh_split(simulate: Runner, tmp_path: Path) -> None:
+    """The square of quadrilaterals, each of which is two triangles."""
+    quads = edited(tmp_path / "quads.geo", (r"\Z", "\nMesh.Algorithm = 8; Recombine Surface{1};\n"), source=DATA / "square.geo")
+    done = simulate(mesh__file=str(quads), mesh__split=True)
+    near(done.manifest["body"]["extent"], [1, 1])
+    assert any("elements are divided into triangles" in note for note in done.manifest["body"]["notes"])
+    near(done.steps["kinetic_energy"][0], 0.5)
+
+
 @pytest.mark.key("mesh.unit")
 @pytest.mark.parametrize("unit, length", (("m", 1), ("mm", 1e-3)))
 def test_mesh_unit(unit: str, length: float, simulate: Runner) -> None:

@@ -31,7 +31,7 @@ FULL = (
             {"on": "bottom", "obstacle": {"shape": "signed-distance", "distance": "y + 1"}},
         ],
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
-        "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
+        "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}], "output__format": ["vtkhdf"],
     }),
     (BLOCK, {"initial": {"drop": {"height": 0.1}}, "load": {"gravity": [0, -1]},
              "output__probe": [{"body": True, "acceleration": True}, {"obstacle": "obstacle 1", "filter": {"cfc": 4.0}}]}),

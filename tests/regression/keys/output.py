@@ -145,9 +145,21 @@ ALWAYS = {"scene.toml", "run.json", "checkpoint.h5"}
 def test_files_of_one_field(field: str, optimize: Runner) -> None:
     done = optimize(output__fields=[field], output__tables=[])
     name = field if field in ("control", "adjoint") else "state"
-    surfaces = {"surfaces.h5"} if name == "state" else set()
-    assert {path.name for path in done.folder.iterdir()} == ALWAYS | {f"{name}.xdmf", f"{name}.h5"} | surfaces
+    surfaces = {"surfaces.h5", "obstacles.vtkhdf"} if name == "state" else set()
+    assert {path.name for path in done.folder.iterdir()} == ALWAYS | {f"{name}.xdmf", f"{name}.h5", f"{name}.vtkhdf"} | surfaces
     assert abs(done.field(field, name)).max() > 0 or field == "control"
+
+
+@pytest.mark.key("output.format")
+@pytest.mark.parametrize("formats, files", (
+    (["xdmf"], {"state.h5", "state.xdmf"}), (["vtkhdf"], {"state.vtkhdf", "obstacles.vtkhdf"}),
+    (["vtkhdf", "xdmf"], {"state.h5", "state.xdmf", "state.vtkhdf", "obstacles.vtkhdf"}),
+), ids=("xdmf", "vtkhdf", "both"))  # fmt: skip
+def test_output_format(formats: list[str], files: set[str], simulate: Runner) -> None:
+    """Values are those of any other format (regression/vtkhdf.py)."""
+    done = simulate(output__format=formats, output__tables=[])
+    assert {path.name for path in done.folder.iterdir()} == {"scene.toml", "run.json", "surfaces.h5"} | files
+    assert done.echo["output"]["format"] == formats
 
 
 @pytest.mark.key("output.fields", "output.tables")
@@ -155,8 +167,8 @@ def test_field_of_friction(simulate: Runner) -> None:
     """Traction along the plane, whose area-weighted sum is the force: exact for linear functions on the block's lower side."""
     done = simulate(contact__friction=0.3, output__fields=["friction"], output__tables=["steps", "contact"])
     traction, contact = done.field("friction"), table(done.folder / "contact.csv")
-    assert {path.name for path in done.folder.iterdir()} == {"scene.toml", "run.json", "state.xdmf", "state.h5", "surfaces.h5", "steps.csv",
-                                                             "contact.csv"}  # fmt: skip
+    assert {path.name for path in done.folder.iterdir()} == {"scene.toml", "run.json", "state.xdmf", "state.h5", "state.vtkhdf",
+                                                             "surfaces.h5", "obstacles.vtkhdf", "steps.csv", "contact.csv"}  # fmt: skip
     assert abs(traction).max() > 0 and (traction[:, done.points[:, 1] > 0] == 0).all(), "none away from the candidates"
     for axis, component in enumerate("xy"):
         force = contact[f"tangential_force_{component}"].reshape(31, 5).sum(axis=1)
