@@ -18,6 +18,7 @@ SECTIONS = {
     "Scenes": [("scene", "Scene")],
     "Control problems": [("problem", ...), ("problem", "Problem"), ("problem", "Metric"), ("problem", "Replicated"), ("problem", "Sweeps"), ("problem", "Parts")],
     "Fits": [("fit", "Fit")],
+    "PyTorch and JAX": [("torch", "function"), ("jax", "function")],
     "Runs": [("run", "read"), ("run", "Run"), ("run", "Field")],
 }
 
@@ -50,17 +51,17 @@ def member(function: ast.FunctionDef) -> str:
     return f"- **`{name}`**{returned(function)}\n\n" + "".join(f"  {line}\n" if line else "\n" for line in text.splitlines())
 
 
-def described(node: ast.FunctionDef | ast.ClassDef) -> str:
-    """A function or class with its public members."""
+def described(node: ast.FunctionDef | ast.ClassDef, package: str) -> str:
+    """A function or class of a package with its public members."""
     text = markdown(ast.get_docstring(node))
     if isinstance(node, ast.FunctionDef):
-        return f"### `signorini.{signature(node, node.name, False)}`{returned(node)}\n\n{text}\n"
+        return f"### `{package}.{signature(node, node.name, False)}`{returned(node)}\n\n{text}\n"
     functions = [one for one in node.body if isinstance(one, ast.FunctionDef)]
     made = [one for one in functions if one.name == "__init__"] if node.name in ("Scene", "Problem", "Fit") else []
     title = signature(made[0], node.name, True) if made else node.name
     fields = [f"- **`{one.target.id}`** → `{ast.unparse(one.annotation)}`\n" for one in node.body if isinstance(one, ast.AnnAssign)]
     members = [member(one) for one in functions if (not one.name.startswith("_") or one.name == "__getitem__") and ast.get_docstring(one)]
-    return f"### `signorini.{title}`\n\n{text}\n\n" + "\n".join(fields + members)
+    return f"### `{package}.{title}`\n\n{text}\n\n" + "\n".join(fields + members)
 
 
 def reference() -> str:
@@ -72,7 +73,8 @@ def reference() -> str:
             if name is ...:
                 parts.append(markdown(ast.get_docstring(tree)) + "\n")
             else:
-                parts += [described(one) for one in tree.body if getattr(one, "name", "") == name]
+                package = f"signorini.{module}" if module in ("torch", "jax") else "signorini"  # others are parts of it
+                parts += [described(one, package) for one in tree.body if getattr(one, "name", "") == name]
     return "\n" + "\n".join(parts) + "\n"
 
 

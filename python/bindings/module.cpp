@@ -31,6 +31,8 @@ void bind_errors(nb::module_& module) {
 } // namespace
 
 NB_MODULE(_signorini, module) {
+  // At exit libraries such as PyTorch keep objects alive, and with them those of this module.
+  nanobind::set_leak_warnings(false);
   bind_errors(module);
   module.def("require_temporary_folder", require_temporary_folder);
   module.def("start", python::start);

@@ -4,7 +4,7 @@
 usage: ./dev bench python [--size H …] [--repeats N] [--json FILE]
 
 J and its derivative of the half disc's control, by Problem (arrays of the ranks) and by Replicated (whole vectors in an order of
-places, for SciPy). The seconds of both sweeps are those that the solver itself counts within the call: each call is its own
+places, for SciPy), and by PyTorch's autograd. The seconds of both sweeps are those that the solver itself counts within the call: each call is its own
 comparison. Least and median of several.
 """
 
@@ -13,8 +13,10 @@ import time
 
 import numpy as np
 import program
+import torch
 
 import signorini
+import signorini.torch
 
 
 def main() -> None:
@@ -26,11 +28,17 @@ def main() -> None:
     for size in options.size:
         problem = signorini.Scene(program.ROOT / "scenes/half-disc.toml", {"mesh.size": size, "control.initial": ["0", "-0.9"]}).problem()
         flat = problem.replicated()
+        J = signorini.torch.function(problem)
         u, x = problem.first_guess(), flat.start
-        taken = {"Problem": [], "Replicated": []}
+
+        def by_autograd(control: np.ndarray) -> None:
+            J(torch.from_numpy(control).requires_grad_()).backward()
+
+        taken = {"Problem": [], "Replicated": [], "PyTorch": []}
         for repeat in range(options.repeats):
-            for name, evaluate, at in (("Problem", problem.value_and_gradient, u), ("Replicated", flat.value_and_gradient, x)):
-                changed = at * (1 + 1e-6 * (2 * repeat + len(name) % 2))
+            for i, (name, evaluate, at) in enumerate((("Problem", problem.value_and_gradient, u), ("Replicated", flat.value_and_gradient, x),
+                                                      ("PyTorch", by_autograd, u))):  # fmt: skip
+                changed = at * (1 + 1e-6 * (3 * repeat + i))
                 before, start = problem.sweep_seconds, time.perf_counter()
                 evaluate(changed)
                 taken[name].append((time.perf_counter() - start, problem.sweep_seconds - before))

@@ -12,6 +12,7 @@ EXPECTED = {  # a printed number, and what it is less than
     "scipy_optimize": (r"J = ([0-9.]+)", 0.00992),
     "scipy_least_squares": (r"misfit ([0-9.]+)", 1.2),
     "own_optimizer": (r"24  J = ([0-9.]+)", 0.02),
+    "torch_throw": (r"0.50 m wanted: missed by ([0-9.]+) mm, not seen", 20.0),
 }
 
 

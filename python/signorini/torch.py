@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""J of a scene's control and residuals of its fit as functions of PyTorch, with their exact derivatives::
+
+    J = signorini.torch.function(scene.problem())
+    J(network(target)).backward()
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import torch
+from torch.autograd.function import FunctionCtx, once_differentiable
+
+from .fit import Fit
+from .problem import Problem
+
+
+class _Objective(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: FunctionCtx, u: torch.Tensor, problem: Problem) -> torch.Tensor:
+        ctx.problem, ctx.derivatives = problem, None
+        if u.dim() == len(problem.shape):
+            ctx.save_for_backward(u)
+            return u.new_tensor(problem.value(u.detach().numpy()))
+        found = problem.batch(u.detach().reshape(-1, *problem.shape).numpy(), gradients=ctx.needs_input_grad[0])
+        if found.gradients is not None:
+            ctx.derivatives = torch.from_numpy(found.gradients).reshape(u.shape)
+        return torch.from_numpy(found.values).reshape(u.shape[: -len(problem.shape)])
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: FunctionCtx, by_value: torch.Tensor) -> tuple[torch.Tensor, None]:
+        if ctx.derivatives is not None:
+            return by_value[..., None, None] * ctx.derivatives, None
+        (u,) = ctx.saved_tensors
+        return by_value * torch.from_numpy(ctx.problem.gradient(u.detach().numpy())), None
+
+
+class _Residuals(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: FunctionCtx, theta: torch.Tensor, fit: Fit) -> torch.Tensor:
+        ctx.fit = fit
+        ctx.save_for_backward(theta)
+        return torch.from_numpy(fit.residuals(theta.detach().numpy()))
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: FunctionCtx, by_residuals: torch.Tensor) -> tuple[torch.Tensor, None]:
+        (theta,) = ctx.saved_tensors
+        return by_residuals @ torch.from_numpy(ctx.fit.jacobian(theta.detach().numpy())), None
+
+
+def function(problem: Problem | Fit) -> Callable[[torch.Tensor], torch.Tensor]:
+    """Returns J(u) of a control problem, or the residuals r(θ) of a fit, as a function of a tensor that autograd differentiates.
+
+    A control has the shape of Problem.shape, on several ranks that of this rank's part, or dimensions of a batch before it:
+    then J has these dimensions, and up to 16 motions make their steps together. J makes a forward sweep, and backward() an
+    adjoint sweep and, if more than two controls were evaluated since, the forward sweep again; for a batch both are made at
+    once if a gradient is needed. θ has the values of Fit.start. Second derivatives raise RuntimeError. Memory is shared with
+    tensors on the CPU in double precision; others are converted. Calls and backward() are collective, and raise the errors
+    of Problem and Fit.
+    """
+    rule = _Residuals if isinstance(problem, Fit) else _Objective
+
+    def evaluate(argument: torch.Tensor) -> torch.Tensor:
+        given = argument.to(dtype=torch.float64, device="cpu").contiguous()
+        return rule.apply(given, problem).to(dtype=argument.dtype, device=argument.device)
+
+    return evaluate
