@@ -13,6 +13,7 @@ apt() {
 quietly() { "$@" >/tmp/log 2>&1 || { tail -n 40 /tmp/log; fail "$1 failed"; }; }
 seconds() { date +%s; }
 
+export HOME=/root # without which Open MPI's compilers crash
 export CCACHE_DIR=/ccache CCACHE_NOHASHDIR=1 CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1
 mkdir /build

@@ -4,6 +4,7 @@
 import gzip
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -42,7 +43,7 @@ def main() -> int:
             command = ["unshare", "--mount", "--pid", "--fork", "sh", "-euc",
                        'mount -t proc proc "$0/proc"; mount --rbind /dev "$0/dev"; root=$0; exec chroot "$root" "$@"', root]  # fmt: skip
             shell = ["/bin/sh", "-euc", f'cd {config["config"]["WorkingDir"]}; exec "$@"', "sh"]
-            done = subprocess.run([*command, *shell, *config["config"]["Entrypoint"], *words], env=environment, capture_output=True, text=True)
+            done = subprocess.run([*command, *shell, *config["config"]["Entrypoint"], *words], env=os.environ | environment | {"PATH": f"{environment['PATH']}:{os.environ['PATH']}"}, capture_output=True, text=True)
             assert done.returncode == 0, done.stdout + done.stderr
             return done.stdout
 
