@@ -125,6 +125,8 @@ def convert(file: Path) -> str:
 
 def read(file: Path) -> "meshio.Mesh":
     kind = {".e": "exodus", ".exo": "exodus", ".bdf": "nastran", ".nas": "nastran"}.get(file.suffix.lower())
+    if file.suffix.lower() == ".inp":
+        require_plain_abaqus(file.read_text(encoding="utf-8", errors="replace"))
     try:
         if kind == "nastran" and "BEGIN BULK" not in (text := file.read_text(encoding="utf-8", errors="replace")).upper():
             with tempfile.TemporaryDirectory() as scratch:  # the bulk data alone
@@ -139,8 +141,29 @@ def read(file: Path) -> "meshio.Mesh":
         raise Unreadable(f"meshio cannot read it ({reason}); check that the file is complete, or convert it to .msh") from None
 
 
+def require_plain_abaqus(text: str) -> None:
+    """Refuses what meshio leaves out without a word."""
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("**")]
+    instances = parts = 0
+    for number, line in enumerate(lines):
+        keyword, *options = (word.strip().lower() for word in line.split(","))
+        if keyword == "*include":
+            raise Unreadable("*INCLUDE is not followed; put the included lines into this file")
+        if keyword == "*node" and any(option.startswith("nset") for option in options):
+            raise Unreadable("*NODE with NSET makes a set that cannot be read; write the set by *NSET")
+        parts += keyword == "*part"
+        if keyword == "*instance":
+            instances += 1
+            if number + 1 < len(lines) and not lines[number + 1].startswith("*"):
+                raise Unreadable("*INSTANCE with a translation or rotation cannot be read; export the mesh of the assembly, flat")
+    if instances > 1 or parts > 1:
+        raise Unreadable(f"several parts or instances cannot be read (found {parts} *PART, {instances} *INSTANCE); export the mesh of the assembly, flat")
+
+
 def collect_sets(body: Body) -> None:
     for name, blocks in body.mesh.cell_sets.items():
+        if is_of_gmsh(name):
+            continue
         for number, rows in enumerate(blocks):
             if rows is not None and len(rows):
                 body.add(name, number, np.asarray(rows, dtype=np.int64))
@@ -157,7 +180,7 @@ def collect_arrays(body: Body) -> None:
         if any(one.ndim > 1 and one.shape[-1] != 1 or not np.issubdtype(one.dtype, np.integer) for one in values):
             continue
         distinct = np.unique(np.concatenate([one.ravel() for one in values]))
-        if len(distinct) > MOST_VALUES or array in ("gmsh:geometrical", "gmsh:bounding_entities"):
+        if len(distinct) > MOST_VALUES or is_of_gmsh(array):
             continue
         for value in distinct.tolist():
             for name in names_of(mesh, array, value, families):
@@ -167,6 +190,11 @@ def collect_arrays(body: Body) -> None:
         nodes = np.flatnonzero(np.asarray(mesh.point_data["point_tags"]).ravel() == value)
         for name in names if len(nodes) else []:
             body.add_nodes(name, nodes)
+
+
+def is_of_gmsh(name: str) -> bool:
+    """Whether an array or set is one of gmsh's entities, not a group."""
+    return name.endswith(("gmsh:geometrical", "gmsh:bounding_entities"))
 
 
 def names_of(mesh: "meshio.Mesh", array: str, value: int, families: dict) -> list[str]:

@@ -42,11 +42,12 @@ void print_groups(const std::vector<mesh::Statistics::Group>& groups, const char
   std::size_t width = 0;
   for (const auto& group : groups)
     width = std::max(width, group.name.size());
-  for (const auto& [name, count, size, centre] : groups)
-    console.line(count == 0
-                     ? fmt::format("  {} group {:{}}  no elements", kind, name, width)
-                     : fmt::format("  {} group {:{}}  {} {}, {} {:.4g} {}, centre {} m", kind, name, width,
-                                   count, elements, measure, size, unit, point_text(centre.data(), dim)));
+  for (const auto& [name, count, size, centre, inside] : groups)
+    console.line(count == 0 ? fmt::format("  {} group {:{}}  no elements", kind, name, width)
+                            : fmt::format("  {} group {:{}}  {} {}{}, {} {:.4g} {}, centre {} m", kind, name,
+                                          width, count, elements,
+                                          inside == 0 ? "" : fmt::format(" ({} inside the body)", inside),
+                                          measure, size, unit, point_text(centre.data(), dim)));
 }
 
 void print(const std::filesystem::path& file, const mesh::RawMesh& raw, const Console& console) {

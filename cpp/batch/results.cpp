@@ -175,6 +175,9 @@ void Results::write(double seconds, const std::vector<std::size_t>& blocks) cons
   if (dim_)
     io::replace_file(folder_ / scene_file, scene::echo(scene_, *dim_));
   io::replace_file(folder_ / table_file, table_text());
+  std::error_code none; // the page of earlier results
+  if (io::is_drawn(folder_ / "report.html"))
+    std::filesystem::remove(folder_ / "report.html", none);
   io::replace_file(folder_ / manifest_file, io::lines(json));
 }
 

@@ -74,8 +74,11 @@ void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, cons
 }
 
 /// Adds a warning if more than half of the mesh's nodes are inside an obstacle. Nodes on the obstacle's
-/// surface do not count, since the body may stand on it.
-void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& warnings) {
+/// surface do not count, since the body may stand on it. A drop moves the body out before the motion starts.
+void warn_of_normals(const step::Stepper& stepper, const scene::Scene& scene,
+                     std::vector<std::string>& warnings) {
+  if (scene.initial.drop)
+    return;
   const contact::ContactPairs* pairs = stepper.pairs();
   const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
   int next = 0; // obstacle
@@ -152,7 +155,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   figures.crossing_steps = scene.time.automatic() ? 0 : figures.crossing / scene.time.step;
   warn_of_materials(scene.materials, stepper.space().mesh().model(), figures.warnings);
   warn_of_sizes(stepper, scene, figures, figures.warnings);
-  warn_of_normals(stepper, figures.warnings);
+  warn_of_normals(stepper, scene, figures.warnings);
   warn_of_bending(stepper, scene, figures, figures.warnings);
   return figures;
 }

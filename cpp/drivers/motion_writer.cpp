@@ -30,7 +30,7 @@ MotionWriter::MotionWriter(const problem::Problem& problem, const io::OutputFold
       plausibility_(problem.stepper, problem.scene), forces_(problem.stepper),
       resolution_(problem.stepper, problem.scene),
       step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors),
-      body_(contact::Box::empty(problem.space.dim())) {
+      every_(problem.scene.output.every), body_(contact::Box::empty(problem.space.dim())) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
@@ -117,10 +117,11 @@ void MotionWriter::operator()(const trajectory::Frame& frame) {
   }
   const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
-  const bool regular =
-      drivers::stored(frame.step, problem_.stepper.end(), problem_.scene.output.every, frame.last);
+  const bool regular = drivers::stored(frame.step, problem_.stepper.end(), every_, frame.last);
   if (regular)
     write_step({frame.step, frame.after, frame.contact});
+  if (thins_out_ && regular && stored_.size() % scene::Output::most_frames == 0)
+    every_ *= 2;
   if (largest_force_.observe(forces_.all().normal_force)) {
     if (regular)
       aside_.reset();

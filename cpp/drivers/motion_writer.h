@@ -59,6 +59,12 @@ public:
     return peaks_ ? peaks_->peaks() : std::vector<diagnostics::ProbePeak>();
   }
 
+  /// From now on every doubles with each Output::most_frames stored times: for a motion whose end is unknown,
+  /// of which the caller chose `every`.
+  void thin_out() { thins_out_ = true; }
+  /// Steps between stored times at the end of the motion; 0: chosen by time.
+  [[nodiscard]] int every() const { return every_; }
+
   /// Steps whose fields and contact were stored, ascending; complete after finish().
   [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
 
@@ -128,6 +134,8 @@ private:
   std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
+  int every_;                      ///< steps between stored times, as `stored()` has it
+  bool thins_out_ = false;         ///< whether every_ grows
   std::vector<int> stored_;        ///< numbers of the stored steps
   std::vector<double> times_;      ///< ends of the stored steps, s
   std::vector<io::Places> places_; ///< of each obstacle at the stored times; empty without mass

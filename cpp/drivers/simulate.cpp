@@ -155,12 +155,16 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   scene::Scene now = scene; // with time.end = "auto" the motion sets its end
   problem::Problem problem(std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers, meshing),
                            now, problem::simulation_needs(scene), timers);
-  if (scene.time.until_bounce && scene.output.every == 0)
+  const bool chosen_frames = scene.time.until_bounce && scene.output.every == 0;
+  if (chosen_frames)
     now.output.every = steps_between_frames(problem);
   console.line(headline(problem));
 
   Simulation simulation(problem, folder, options.measure);
+  if (chosen_frames)
+    simulation.recorder().thin_out();
   simulation.run(console);
+  now.output.every = simulation.recorder().every();
   const bool complete = simulation.complete();
   if (simulation.steps() == 0 ||
       (options.complete_only && !complete)) // no result that could replace an earlier one

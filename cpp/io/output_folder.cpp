@@ -35,25 +35,15 @@ constexpr std::array of_search{"history.csv",    "parameters.csv", "measurements
                                "control.h5",     "control.vtkhdf", "control.xdmf",     "adjoint.h5",
                                "adjoint.vtkhdf", "adjoint.xdmf"};
 
-/// Whether postprocess/ made a file, according to a mark near the file's beginning. In a page the mark is
-/// <meta name="generator" content="signorini report">, in a picture the comment.
-bool drawn(const fs::path& file) {
-  std::string start(1 << 16, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
-  return start.find("signorini report") != std::string::npos;
-}
-
 /// Paths, within the folder, of the pages and figures that postprocess/ made of an earlier run.
 std::vector<std::string> drawings(const fs::path& folder) {
   std::vector<std::string> found;
   std::error_code none;
   for (const char* page : {"report.html", "comparison.html"})
-    if (fs::is_regular_file(folder / page, none) && drawn(folder / page))
+    if (fs::is_regular_file(folder / page, none) && is_drawn(folder / page))
       found.emplace_back(page);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder / "figures", none))
-    if (entry.is_regular_file(none) && drawn(entry.path()))
+    if (entry.is_regular_file(none) && is_drawn(entry.path()))
       found.push_back("figures/" + entry.path().filename().string());
   return found;
 }
@@ -191,6 +181,14 @@ void complete_publication(const fs::path& folder) {
 }
 
 } // namespace
+
+bool is_drawn(const fs::path& file) { // by a mark: in a page the generator, in a picture the comment
+  std::string start(1 << 16, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.find("signorini report") != std::string::npos;
+}
 
 std::error_code try_replace_file(const fs::path& file, std::string_view content) {
   fs::path partial = file;

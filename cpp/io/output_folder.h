@@ -22,6 +22,9 @@ void synchronise(const std::filesystem::path& path);
 /// Throws OutputFailure.
 void replace_file(const std::filesystem::path& file, std::string_view content);
 
+/// Whether postprocess/ made a file, such as report.html. Not collective.
+[[nodiscard]] bool is_drawn(const std::filesystem::path& file);
+
 /// Output folder of a run. Files are written into a hidden folder inside the output folder; publish() moves
 /// them out together at the end. Thus no incomplete file appears, and a failed run leaves the earlier files
 /// unchanged.

@@ -95,7 +95,7 @@ void GmshCells::judge(const GmshElements& elements) {
     raw_.notes.push_back(
         fmt::format("{} elements of higher order are taken at their vertices{}", elements.of_higher_order(),
                     elements.bend() > straight
-                        ? fmt::format("; they are curved, by up to {:.2g} of their diameter", elements.bend())
+                        ? fmt::format("; some are curved, by up to {:.2g} of their diameter", elements.bend())
                         : ""));
   if (elements.divided() > 0)
     raw_.notes.push_back(fmt::format("{} elements are divided into {}", elements.divided(), word.cells));

@@ -101,14 +101,19 @@ GmshElements::Found GmshElements::read(int dim, int entity) {
     if (!known || (!simplex && !split_))
       return {.tags = {}, .refused = name};
     const auto width = static_cast<std::size_t>(each);
-    if (order > 1) {
+    if (order > 1)
       measure_bend(vertices, local, dim, nodes[block], width);
-      of_higher_order_ += elements[block].size();
-    }
-    divided_ += simplex ? 0 : elements[block].size();
     for (std::size_t first = 0; first < nodes[block].size(); first += width) {
       const auto begin = nodes[block].begin() + static_cast<std::ptrdiff_t>(first);
       const std::vector<std::int64_t> corners(begin, begin + vertices);
+      if (order > 1 || !simplex) {
+        std::vector<std::int64_t> sorted = corners;
+        std::ranges::sort(sorted);
+        if (order > 1)
+          of_higher_order_.insert(sorted);
+        if (!simplex)
+          divided_.insert(std::move(sorted));
+      }
       if (simplex)
         found.tags.insert(found.tags.end(), corners.begin(), corners.end());
       else

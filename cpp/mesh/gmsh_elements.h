@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,10 @@ public:
   };
   [[nodiscard]] Found read(int dim, int entity);
 
-  /// Number of elements that have been divided.
-  [[nodiscard]] std::size_t divided() const { return divided_; }
+  /// Number of elements that have been divided. An element in several groups counts once.
+  [[nodiscard]] std::size_t divided() const { return divided_.size(); }
   /// Number of elements of higher order that have been taken at their vertices.
-  [[nodiscard]] std::size_t of_higher_order() const { return of_higher_order_; }
+  [[nodiscard]] std::size_t of_higher_order() const { return of_higher_order_.size(); }
   /// Largest distance of a node between the vertices from where it would be in a straight element, relative
   /// to the diameter of the element; and the tag of that node.
   [[nodiscard]] double bend() const { return bend_; }
@@ -40,7 +41,7 @@ private:
                     const std::vector<std::size_t>& nodes, std::size_t each);
   bool split_;
   Coordinates coordinates_;
-  std::size_t divided_ = 0, of_higher_order_ = 0;
+  std::set<std::vector<std::int64_t>> divided_, of_higher_order_; ///< elements, by their sorted vertices
   double bend_ = 0;
   std::int64_t bent_node_ = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/statistics.h"
-#include "mesh/simplex.h"
+#include "mesh/facets.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -140,8 +140,13 @@ Statistics statistics(const RawMesh& mesh) {
                  mesh.cells.begin() + ranges[r + 1] * static_cast<std::ptrdiff_t>(corners));
     all.cells.push_back(measuring.group(name, corners, own));
   }
-  for (const auto& [name, facets] : mesh.facets)
-    all.facets.push_back(measuring.group(name, corners - 1, facets));
+  const std::vector<Facet> outer = outer_facets(sorted_facets(mesh.dim, mesh.cells));
+  for (const auto& [name, facets] : mesh.facets) {
+    Statistics::Group& group = all.facets.emplace_back(measuring.group(name, corners - 1, facets));
+    for (std::size_t first = 0; first < facets.size(); first += corners - 1)
+      group.inside += !std::ranges::binary_search(
+          outer, sorted_nodes(std::span(facets).subspan(first, corners - 1)), {}, &Facet::nodes);
+  }
   return all;
 }
 

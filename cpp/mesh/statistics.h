@@ -14,8 +14,9 @@ struct Statistics {
   struct Group {
     std::string name;
     std::size_t elements;
-    double measure; ///< volume, area or length, m^dim
-    Point centre;   ///< m
+    double measure;         ///< volume, area or length, m^dim
+    Point centre;           ///< m
+    std::size_t inside = 0; ///< number of facets between two cells
   };
   Point low{}, high{};                   ///< corners of the box around the mesh, m
   std::size_t connected = 0;             ///< number of connected parts

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import torch
-from torch.autograd.function import FunctionCtx, once_differentiable
+from torch.autograd.function import FunctionCtx
 
 from .fit import Fit
 from .problem import Problem
@@ -29,12 +29,28 @@ class _Objective(torch.autograd.Function):
         return torch.from_numpy(found.values).reshape(u.shape[: -len(problem.shape)])
 
     @staticmethod
-    @once_differentiable
     def backward(ctx: FunctionCtx, by_value: torch.Tensor) -> tuple[torch.Tensor, None]:
         if ctx.derivatives is not None:
+            _require_last("of a batch")
             return by_value[..., None, None] * ctx.derivatives, None
         (u,) = ctx.saved_tensors
-        return by_value * torch.from_numpy(ctx.problem.gradient(u.detach().numpy())), None
+        return by_value * _Derivative.apply(u, ctx.problem), None
+
+
+class _Derivative(torch.autograd.Function):
+    """dJ(u), whose derivative in turn is a Hessian product."""
+
+    @staticmethod
+    def forward(ctx: FunctionCtx, u: torch.Tensor, problem: Problem) -> torch.Tensor:
+        ctx.problem = problem
+        ctx.save_for_backward(u)
+        return torch.from_numpy(problem.gradient(u.detach().numpy()))
+
+    @staticmethod
+    def backward(ctx: FunctionCtx, direction: torch.Tensor) -> tuple[torch.Tensor, None]:
+        _require_last("beyond the second")
+        (u,) = ctx.saved_tensors
+        return torch.from_numpy(ctx.problem.hessian_product(u.detach().numpy(), direction.contiguous().numpy())), None
 
 
 class _Residuals(torch.autograd.Function):
@@ -45,10 +61,16 @@ class _Residuals(torch.autograd.Function):
         return torch.from_numpy(fit.residuals(theta.detach().numpy()))
 
     @staticmethod
-    @once_differentiable
     def backward(ctx: FunctionCtx, by_residuals: torch.Tensor) -> tuple[torch.Tensor, None]:
+        _require_last("of residuals")
         (theta,) = ctx.saved_tensors
         return by_residuals @ torch.from_numpy(ctx.fit.jacobian(theta.detach().numpy())), None
+
+
+def _require_last(what: str) -> None:
+    """Raises RuntimeError where autograd wants to differentiate the derivative again."""
+    if torch.is_grad_enabled():
+        raise RuntimeError(f"signorini.torch: higher derivatives {what} are not available; use create_graph=False")
 
 
 def function(problem: Problem | Fit) -> Callable[[torch.Tensor], torch.Tensor]:
@@ -57,13 +79,16 @@ def function(problem: Problem | Fit) -> Callable[[torch.Tensor], torch.Tensor]:
     A control has the shape of Problem.shape, on several ranks that of this rank's part, or dimensions of a batch before it:
     then J has these dimensions, and up to 16 motions make their steps together. J makes a forward sweep, and backward() an
     adjoint sweep and, if more than two controls were evaluated since, the forward sweep again; for a batch both are made at
-    once if a gradient is needed. θ has the values of Fit.start. Second derivatives raise RuntimeError. Memory is shared with
-    tensors on the CPU in double precision; others are converted. Calls and backward() are collective, and raise the errors
-    of Problem and Fit.
+    once if a gradient is needed. Second derivatives are the products of Problem.hessian_product(); those of batches and
+    residuals raise RuntimeError. θ has the values of Fit.start. Bounds of the scene are not applied. Memory is shared with
+    tensors on the CPU in double precision; others of floating-point numbers are converted. Calls and backward() are
+    collective, and raise the errors of Problem and Fit.
     """
     rule = _Residuals if isinstance(problem, Fit) else _Objective
 
     def evaluate(argument: torch.Tensor) -> torch.Tensor:
+        if not argument.is_floating_point():
+            raise TypeError(f"found a tensor of {argument.dtype}; expected floating-point numbers")
         given = argument.to(dtype=torch.float64, device="cpu").contiguous()
         return rule.apply(given, problem).to(dtype=argument.dtype, device=argument.device)
 

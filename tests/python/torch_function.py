@@ -65,12 +65,19 @@ def test_gradcheck() -> None:
     assert done.stdout == "True\n", done.stderr
 
 
-def test_second_derivatives_are_refused(problem: signorini.Problem, u: torch.Tensor) -> None:
+def test_second_derivatives(problem: signorini.Problem, u: torch.Tensor) -> None:
+    """Hessian products; those that are not available are refused, not zero."""
     J = signorini.torch.function(problem)
+    d = torch.from_numpy(direction(problem))
+    _, product = torch.autograd.functional.vhp(J, u, d)
+    assert np.array_equal(product.numpy(), problem.hessian_product(u.numpy(), d.numpy()))
     x = u.clone().requires_grad_()
     (gradient,) = torch.autograd.grad(J(x), x, create_graph=True)
-    with pytest.raises(RuntimeError, match="does not require grad"):
-        gradient.sum().backward()
+    with pytest.raises(RuntimeError, match="beyond the second"):
+        torch.autograd.grad((gradient * d).sum(), x, create_graph=True)
+    many = torch.stack([u, u]).requires_grad_()
+    with pytest.raises(RuntimeError, match="of a batch"):
+        torch.autograd.grad(J(many).sum(), many, create_graph=True)
 
 
 def test_batch(problem: signorini.Problem, u: torch.Tensor) -> None:
@@ -103,6 +110,8 @@ def test_errors_reach_the_caller(problem: signorini.Problem, u: torch.Tensor) ->
     J = signorini.torch.function(problem)
     with pytest.raises(ValueError):
         J(torch.full_like(u, torch.nan))
+    with pytest.raises(TypeError, match="floating-point"):
+        J(torch.ones(problem.shape, dtype=torch.int64))
     with pytest.raises((ValueError, RuntimeError)):
         J(u[1:])
 

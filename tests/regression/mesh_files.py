@@ -247,7 +247,7 @@ FILES = [
     File("quads.inp", by_meshio(lambda: with_sets(2, "blocks")), dim=2, mesh="split = true", note="9 elements are divided", reference="blocks"),
     File("second.inp", by_meshio(brick_of_order_two), note="of higher order are taken at their vertices", body={"body"}),
     File("second-plate.inp", by_meshio(lambda: plate_of_order_two(0)), dim=2, mesh="degree = 2", note="taken at their vertices", reference="degree 2"),
-    File("curved.inp", by_meshio(lambda: plate_of_order_two(0.2)), dim=2, note="they are curved, by up to"),
+    File("curved.inp", by_meshio(lambda: plate_of_order_two(0.2)), dim=2, note="some are curved, by up to"),
     File("brick.med", med, body={"body", "steel"}),
     File("brick.vtu", by_meshio(lambda: with_numbers(3)), floor="region 3", body={"region 7"}),
     File("plate.vtu", by_meshio(lambda: with_numbers(2)), dim=2, floor="region 3", body={"region 7"}),
@@ -395,6 +395,38 @@ def test_refusals(tmp_path: Path) -> None:
     text = (tmp_path / "brick.inp").read_text() + "*SURFACE, TYPE=ELEMENT, NAME=side\nnowhere, S1\n"
     (tmp_path / "surface.inp").write_text(text)
     refused(tmp_path, "surface.inp", 'the surface "side" names the element set "nowhere"')
+
+
+@pytest.mark.parametrize("lines, texts", (
+    ("*INCLUDE, INPUT=more.inp", ("*INCLUDE is not followed",)),
+    ("*INSTANCE, NAME=a, PART=b\n0., 0., 0.01\n*END INSTANCE", ("translation or rotation cannot be read",)),
+    ("*PART, NAME=a\n*END PART\n*PART, NAME=b\n*END PART", ("several parts", "found 2 *PART")),
+    ("*NODE, NSET=all\n999, 5., 5., 5.", ("*NODE with NSET", "write the set by *NSET")),
+), ids=("include", "instance", "parts", "nodes"))  # fmt: skip
+def test_what_meshio_leaves_out_of_abaqus_files_is_refused(lines: str, texts: tuple[str, ...], tmp_path: Path) -> None:
+    with_sets(3).write(tmp_path / "brick.inp")
+    (tmp_path / "brick.inp").write_text((tmp_path / "brick.inp").read_text() + lines + "\n")
+    refused(tmp_path, "brick.inp", "brick.inp: ", *texts)
+
+
+def test_facets_inside_are_counted(tmp_path: Path) -> None:
+    """A surface of sides between cells is no part of the boundary, which info says."""
+    points, cells = grid(3)
+    cells = simplices(cells)
+    inner = np.delete(cells, 0, axis=1)
+    with_numbers(3).write(tmp_path / "a.vtu")
+    assert "inside the body" not in signorini_ok("info", tmp_path / "a.vtu")
+    mesh = meshio.Mesh(points, [("tetra", cells), ("triangle", inner)], cell_data={"region": [np.full(len(cells), 7), np.full(len(inner), 3)]})
+    mesh.write(tmp_path / "b.vtu")
+    assert re.search(r"surface group region 3 .*\(\d+ inside the body\)", signorini_ok("info", tmp_path / "b.vtu"))
+
+
+def test_elements_in_two_groups_count_once(tmp_path: Path) -> None:
+    mesh = with_sets(3, "blocks")
+    mesh.cell_sets["again"] = mesh.cell_sets["body"]
+    mesh.write(tmp_path / "blocks.inp")
+    said = captured([str(SIGNORINI), "info", str(tmp_path / "blocks.inp"), "--set", "mesh.split=true"]).stdout
+    assert "27 elements are divided" in said and groups(said, "volume") == {"body", "again"}
 
 
 def test_without_meshio(tmp_path: Path) -> None:
