@@ -75,6 +75,9 @@ struct ContactLinearisation {
   /// Candidates at which the law has a kink: weakly active ones, W, and those that are about to slip.
   ActiveSet weak{};
   ActiveSet predictor{}; ///< Z: candidates closed at the projected predictor; empty in other schemes
+  /// Candidates of Z and W that touch at the predictor without a multiplier of its projection: where they
+  /// open in a linearised step, they open at its predictor too.
+  ActiveSet predictor_weak{};
 
   /// Whether the candidate active[j] is in contact.
   [[nodiscard]] bool closed(std::size_t j) const { return equations.empty() || equations[j].closed; }
@@ -118,6 +121,7 @@ struct ContactState : ContactLinearisation {
       equations.reserve(static_cast<std::size_t>(m));
     weak.reserve(static_cast<std::size_t>(m));
     predictor.reserve(static_cast<std::size_t>(m));
+    predictor_weak.reserve(static_cast<std::size_t>(m));
   }
 
   /// Normal multipliers λ_i ≥ 0 of the m candidates: τ²/2 times the normal contact forces.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/predictor_projection.h"
+#include "contact/lcp/primal_dual.h"
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace signorini::step {
 using petsc::check;
@@ -47,6 +50,43 @@ Vec PredictorProjection::jump(std::span<const double> psi, Vec x, const contact:
   solver_.contact()->solve(projection, work.solver);
   set = work.contact.active;
   return work.jump;
+}
+
+void PredictorProjection::find_weak(contact::ContactState& contact, bool projected,
+                                    const Workspace& work) const {
+  contact.predictor_weak.clear();
+  for (const int i : contact.weak) {
+    const auto at = static_cast<std::size_t>(i);
+    if (contact.status[at] == contact::Status::weak && // not one that is about to slip
+        (projected ? work.contact.status[at] == contact::Status::weak
+                   : work.gap[at] <= pairs_.gap_tolerance()))
+      contact.predictor_weak.push_back(i);
+  }
+  if (!projected)
+    contact.predictor = contact.predictor_weak;
+}
+
+Vec PredictorProjection::one_sided_jump(contact::ActiveSet& set, const contact::ActiveSet& weak, Vec x,
+                                        Workspace& work) const {
+  const contact::ConstraintRows& rows = pairs_.rows();
+  std::vector<double> force(static_cast<std::size_t>(rows.count())), motion(force.size());
+  Vec jump = nullptr;
+  PetscReal scale = 0;
+  check(MatMult(M_, x, work.r));
+  check(VecNorm(work.r, NORM_INFINITY, &scale));
+  contact::close_to_first_order(rows, weak, set, force, motion, [&] {
+    std::ranges::fill(force, 0);
+    const Data data{.force = nullptr, .normal = {}, .multipliers = force};
+    jump = linearised_jump(set, x, work, &data);
+    check(VecCopy(x, work.r));
+    if (jump)
+      check(VecAXPY(work.r, 1, jump));
+    rows.apply_transpose(work.r, motion);
+    PetscReal largest_motion = 0;
+    check(VecNorm(work.r, NORM_INFINITY, &largest_motion));
+    return std::pair(scale, largest_motion);
+  });
+  return jump;
 }
 
 Vec PredictorProjection::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,

@@ -42,6 +42,17 @@ public:
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                          contact::ActiveSet& set, Workspace& work) const;
 
+  /// Completes Z and the weak part of Z after the step, whose contact is `contact`: the kinks of projection
+  /// and step are the same ones. A candidate that touches at x and, without a force, at the end of the step
+  /// is in Z, though jump() moves no candidate within the tolerance of gaps. `projected`: whether there was a
+  /// jump.
+  void find_weak(contact::ContactState& contact, bool projected, const Workspace& work) const;
+
+  /// Projects as linearised_jump() on Z, but the candidates `weak` may open: z minimises ½ (z − x)·M(z − x)
+  /// over Hᵀz ≤ 0 on them. On return `set` are those that stay closed. Collective. Throws SolverFailure.
+  [[nodiscard]] Vec one_sided_jump(contact::ActiveSet& set, const contact::ActiveSet& weak, Vec x,
+                                   Workspace& work) const;
+
   /// Data of an inhomogeneous linearised_jump(): z solves M z + H ζ = M x + force, Hᵀz = normal on the set Z.
   struct Data {
     Vec force = nullptr;            ///< a functional on V; null: zero

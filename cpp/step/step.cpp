@@ -277,6 +277,8 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     }
   } else
     with.solver->linear().solve(work.r, out.to.y());
+  if (predictor_)
+    predictor_->find_weak(out.contact, jump != nullptr, *work.predictor);
   set_velocity(scheme, in.from, jump, out.to); // (4.22)
   set_branches(scheme, in.from, out.to);
   if (moving_clamps_)
@@ -320,29 +322,16 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m), lambda(m);
   rows.spread(contact, lambda);
-  contact::ActiveSet &closed = contact.active, next, wrong;
-  for (contact::BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
+  contact::close_to_first_order(rows, contact.weak, contact.active, force, motion, [&] {
     solve_on_active_set(scheme.tau, Direction::linearised, contact, {}, p, force, work);
     rows.apply_transpose(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
     check(VecNorm(work.r, NORM_INFINITY, &largest_force));
     check(VecNorm(p, NORM_INFINITY, &largest_motion));
-    constexpr double rounding = 1e-10;
-    next.clear();
-    for (int i = 0; i < pairs_->count(); ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const bool is_closed = std::ranges::binary_search(closed, i);
-      if (std::ranges::binary_search(contact.weak, i)
-              ? rows.law(i).closes_to_first_order(is_closed, force[at], motion[at], rounding * largest_force,
-                                                  rounding * largest_motion)
-              : is_closed)
-        next.push_back(i);
-    }
-    if (next == closed)
-      break;
-  }
+    return std::pair(largest_force, largest_motion);
+  });
   contact.forces.clear();
-  for (const int i : closed)
+  for (const int i : contact.active)
     contact.forces.push_back(lambda[i]);
 }
 
@@ -375,6 +364,9 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
                              Workspace& work) const {
   if (contact.weak.empty())
     return linearised_step(step, contact, work);
+  if (!contact.predictor_weak.empty()) // afterwards Z has those that stay closed
+    (void)predictor_->one_sided_jump(contact.predictor, contact.predictor_weak,
+                                     predicted(step.scheme, step.from, work.work), *work.predictor);
   const Vec jump = linearised_right_hand_side(step, contact, work);
   if (frictional())
     solve_one_sided_slip(step, contact, work);

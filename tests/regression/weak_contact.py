@@ -41,3 +41,23 @@ def test_slopes_to_either_side(overrides: dict[str, object], ranks: int) -> None
     wanted = {f"{what} along {side}d{more}" for side in "+-"
               for what, more in (("slope", ": gradient against linearised motion"), ("Taylor order", ""))}  # fmt: skip
     assert wanted <= {name for _, name in rows}
+
+
+BLOCK = SOURCE / "tests" / "data" / "block.toml"
+# A block that flies 0.2 m at 1 m/s in 50 steps: its lower side is on the plane at the end of step 50, to rounding.
+ARRIVING = {"mesh__size": 0.25, "time__end": 0.3, "time__step": 4e-3, "time__scheme": "contact-stabilized", "load__body": ["0", "0"],
+            "contact__obstacle": {"shape": "half-space", "point": [0, -0.2], "normal": [0, 1]},
+            "objective__desired": {"displacement": ["0", "0.1"]}, "check__control": ["0", "0"]}  # fmt: skip
+
+
+@pytest.mark.parametrize("ranks", (1, 2))
+@pytest.mark.parametrize("overrides", ({}, {"mesh__degree": 2}, {"contact__friction": 0.3}), ids=("plain", "degree 2", "friction"))
+def test_slopes_where_a_side_arrives_at_the_end_of_a_step(overrides: dict[str, object], ranks: int) -> None:
+    """Projection and step of contact-stabilized steps have their kink at the same control, and open together to one side of it."""
+    done = attempt("check", BLOCK, None, ranks, **(ARRIVING | overrides))
+    assert done.returncode == 0, f"{done.stdout}{done.stderr}"
+    slopes = [float(x) for x in re.findall(r"Slope of J along [+-]d: ([-+.e\d]+)\.$", done.stdout, re.MULTILINE)]
+    assert "Verdict: J has a kink along d" in done.stdout and len(slopes) == 2
+    assert abs(slopes[0] + slopes[1]) > 0.03 * np.max(np.abs(slopes))
+    orders = re.findall(r"^ok +Taylor order along ([+-])d", done.stdout, re.MULTILINE)
+    assert orders == ["+", "-"]

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/constraint_rows.h"
+#include <algorithm>
+#include <iterator>
 #include <limits>
+#include <vector>
 
 namespace signorini::contact {
 
@@ -47,5 +50,33 @@ private:
   std::size_t fewest_ = std::numeric_limits<std::size_t>::max();
   int left_ = patience, steps_ = 0;
 };
+
+/// Finds the candidates C among `closed` and `weak` that stay closed to first order, and replaces `closed` by
+/// them: those of `weak` obey an inequality between force and motion, the others stay as they are. `solve`
+/// solves on `closed`, stores the multipliers and Hᵀ of the solution in `force` and `motion` (rows), and
+/// returns the scales of forces and motions. Throws SolverFailure. Collective if `solve` is.
+template <class Solve>
+void close_to_first_order(const ConstraintRows& rows, const ActiveSet& weak, ActiveSet& closed,
+                          const std::vector<double>& force, const std::vector<double>& motion,
+                          Solve&& solve) {
+  constexpr double rounding = 1e-10;
+  ActiveSet next, wrong, all;
+  std::ranges::set_union(closed, weak, std::back_inserter(all));
+  for (BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
+    const auto [largest_force, largest_motion] = solve();
+    next.clear();
+    for (const int i : all) {
+      const auto at = static_cast<std::size_t>(i);
+      const bool is_closed = std::ranges::binary_search(closed, i);
+      if (std::ranges::binary_search(weak, i)
+              ? rows.law(i).closes_to_first_order(is_closed, force[at], motion[at], rounding * largest_force,
+                                                  rounding * largest_motion)
+              : is_closed)
+        next.push_back(i);
+    }
+    if (next == closed)
+      return;
+  }
+}
 
 } // namespace signorini::contact
