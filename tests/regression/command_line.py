@@ -122,7 +122,7 @@ def test_completes_the_options_of_each_verb(completed: Callable[..., set[str]], 
 
 
 @pytest.mark.parametrize("words, expected", [
-    (("mesh.s",), {"mesh.size=", "mesh.scale="}), (("solver.vi", "="), {"condensed", "full"}),
+    (("mesh.s",), {"mesh.size=", "mesh.scale=", "mesh.split="}), (("solver.vi", "="), {"condensed", "full"}),
     (("solver.linear", "=", "it"), {"iterative"}), (("control.constant_in_time", "="), {"true", "false"}), (("mesh.size", "="), set()),
 ])  # fmt: skip
 def test_completes_keys_and_choices(words: tuple[str, ...], expected: set[str], completed: Callable[..., set[str]]) -> None:
