@@ -20,9 +20,14 @@ class _Objective(torch.autograd.Function):
     @staticmethod
     def forward(ctx: FunctionCtx, u: torch.Tensor, problem: Problem) -> torch.Tensor:
         ctx.problem, ctx.derivatives = problem, None
-        if u.dim() == len(problem.shape):
+        ctx.single = u.dim() == len(problem.shape)
+        if ctx.single:
             ctx.save_for_backward(u)
-            return u.new_tensor(problem.value(u.detach().numpy()))
+            if not ctx.needs_input_grad[0]:
+                return u.new_tensor(problem.value(u.detach().numpy()))
+            value, derivative = problem.value_and_gradient(u.detach().numpy())
+            ctx.derivatives = torch.from_numpy(derivative)
+            return u.new_tensor(value)
         found = problem.batch(u.detach().reshape(-1, *problem.shape).numpy(), gradients=ctx.needs_input_grad[0])
         if found.gradients is not None:
             ctx.derivatives = torch.from_numpy(found.gradients).reshape(u.shape)
@@ -30,11 +35,17 @@ class _Objective(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: FunctionCtx, by_value: torch.Tensor) -> tuple[torch.Tensor, None]:
-        if ctx.derivatives is not None:
+        if not ctx.single:
             _require_last("of a batch")
             return by_value[..., None, None] * ctx.derivatives, None
         (u,) = ctx.saved_tensors
-        return by_value * _Derivative.apply(u, ctx.problem), None
+        if torch.is_grad_enabled():
+            return by_value * _Derivative.apply(u, ctx.problem), None
+        # Given away, so that autograd need not copy it; a second call computes it again.
+        derivative, ctx.derivatives = ctx.derivatives, None
+        if derivative is None:
+            derivative = torch.from_numpy(ctx.problem.gradient(u.detach().numpy()))
+        return derivative if by_value == 1 else derivative.mul_(by_value), None
 
 
 class _Derivative(torch.autograd.Function):
@@ -77,9 +88,8 @@ def function(problem: Problem | Fit) -> Callable[[torch.Tensor], torch.Tensor]:
     """Returns J(u) of a control problem, or the residuals r(θ) of a fit, as a function of a tensor that autograd differentiates.
 
     A control has the shape of Problem.shape, on several ranks that of this rank's part, or dimensions of a batch before it:
-    then J has these dimensions, and up to 16 motions make their steps together. J makes a forward sweep, and backward() an
-    adjoint sweep and, if more than two controls were evaluated since, the forward sweep again; for a batch both are made at
-    once if a gradient is needed. Second derivatives are the products of Problem.hessian_product(); those of batches and
+    then J has these dimensions, and up to 16 motions make their steps together. J makes a forward sweep and, if a gradient is
+    needed, the adjoint sweep; backward() makes none. Second derivatives are the products of Problem.hessian_product(); those of batches and
     residuals raise RuntimeError. θ has the values of Fit.start. Bounds of the scene are not applied. Memory is shared with
     tensors on the CPU in double precision; others of floating-point numbers are converted. Calls and backward() are
     collective, and raise the errors of Problem and Fit.

@@ -34,13 +34,21 @@ def test_value_and_gradient_are_those_of_the_problem(problem: signorini.Problem,
     assert np.array_equal(twice.numpy(), 2 * derivative)
 
 
+def test_backward_twice(problem: signorini.Problem, u: torch.Tensor) -> None:
+    J = signorini.torch.function(problem)
+    x = u.clone().requires_grad_()
+    value = 3 * J(x)
+    value.backward(retain_graph=True)
+    once = x.grad.clone()
+    value.backward()
+    assert np.array_equal(once.numpy(), 3 * problem.gradient(u.numpy())) and np.array_equal(x.grad.numpy(), 2 * once.numpy())
+
+
 def test_no_sweep_too_many(problem: signorini.Problem, u: torch.Tensor) -> None:
     J = signorini.torch.function(problem)
     x = (u + 0.01 * torch.from_numpy(direction(problem))).requires_grad_()
     before = problem.sweeps
-    value = J(x)
-    assert (problem.sweeps.forward - before.forward, problem.sweeps.adjoint - before.adjoint) == (1, 0)
-    value.backward()
+    J(x).backward()
     assert (problem.sweeps.forward - before.forward, problem.sweeps.adjoint - before.adjoint) == (1, 1)
     with torch.no_grad():
         J(x + 1e-3)
