@@ -51,7 +51,7 @@ void add_with_included(const std::filesystem::path& file, std::set<std::filesyst
     return;
   const std::string text = content(file);
   digest.add(text);
-  if (scene::mesh_format(file) != scene::MeshFormat::script)
+  if (scene::mesh_format(file).value_or(scene::MeshFormat::script) != scene::MeshFormat::script)
     return;
   constexpr std::size_t longest = 1024; // of a name; unmatched quotes are mostly further apart
   for (std::size_t open = text.find('"'); open != std::string::npos;) {

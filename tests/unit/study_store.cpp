@@ -150,7 +150,8 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
   const std::string include = "lower.inc";
   write(folder / "block.geo",
         content(test::source("tests/data/square.geo")) + "Include \"" + include + "\";\n");
-  write(folder / include, "// nothing yet\n");
+  write(folder / include, "Include \"lowest.inc\";\n");
+  write(folder / "lowest.inc", "// nothing yet\n");
   std::filesystem::create_directories(folder / "run");
   write(folder / "run/state.h5", "a motion");
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
@@ -208,6 +209,7 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
   CHECK(edit(scene.mesh.file, content(scene.mesh.file) + "Point(9) = {9, 9, 0};\n") ==
         "the mesh file has changed");
   CHECK(edit(folder / include, "Point(9) = {9, 9, 0};\n") == "the mesh file has changed");
+  CHECK(edit(folder / "lowest.inc", "Point(9) = {9, 9, 0};\n") == "the mesh file has changed");
   write(folder / "block.geo.opt", "Mesh.Algorithm = 1;\n");
   CHECK(difference(own, Origin(scene, at, 1).of(rung)) == "the mesh file has changed");
   std::filesystem::remove(folder / "block.geo.opt");
