@@ -62,6 +62,11 @@ Indicated indicated(MPI_Comm comm, const scene::Scene& scene, const mesh::SizeFi
 
 void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& file,
                   const Console& console) {
+  if (scene.mesh.format() == scene::MeshFormat::shape)
+    throw UserError(
+        fmt::format("mesh.file: {} is a CAD file, whose sizes cannot be graded by the error; use a .geo that "
+                    "merges it and names its groups",
+                    scene.mesh.file.string()));
   scene::Scene coarse = scene;
   coarse.mesh.size = 0; // "auto": ten elements across the body
   coarse.mesh.scale = 1;

@@ -409,6 +409,14 @@ def test_what_meshio_leaves_out_of_abaqus_files_is_refused(lines: str, texts: tu
     refused(tmp_path, "brick.inp", "brick.inp: ", *texts)
 
 
+def test_sizes_of_cad_are_not_graded(tmp_path: Path) -> None:
+    shape(tmp_path / "brick.step")
+    path = scene(tmp_path, "brick.step", floor="surface 5", mesh="size = 0.5")
+    words = ["--graded", "--sizes", "0.5,0.4", "--steps", "0.01", "--quantity", "displacement", "--out", str(tmp_path / "out")]
+    done = captured([str(SIGNORINI), "study", str(path), *words])
+    assert done.returncode == 2 and "brick.step is a CAD file, whose sizes cannot be graded" in done.stderr
+
+
 def test_facets_inside_are_counted(tmp_path: Path) -> None:
     """A surface of sides between cells is no part of the boundary, which info says."""
     points, cells = grid(3)
