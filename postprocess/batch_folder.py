@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import math
+import re
 import tomllib
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,9 +16,9 @@ import numpy as np
 from .files import Unreadable, whole_text
 from .style import prefixed
 
-AFTER_KEYS = ["outcome", "reason", "steps"]
+AFTER_KEYS = ["outcome", "reason", "warnings", "steps"]
 OUTCOMES = ["done", "failed"]
-ROUNDING = 1e-12  # a relative range up to this is none
+ROUNDING = 1e-9  # a relative range up to this is none
 WITH_PREFIX = {"N", "N/m", "N s", "N s/m", "Pa", "s", "m", "m/s", "J", "J/m", "W", "Hz", "m/s²"}
 
 
@@ -33,6 +34,7 @@ class Case:
     keys: list[str]
     done: bool
     reason: str
+    warnings: str
     steps: float
     quantities: list[float]
 
@@ -96,7 +98,7 @@ class BatchFolder:
         for place, name in enumerate(["case", *keys, *AFTER_KEYS]):
             if header[place : place + 1] != [name]:
                 raise Unreadable(f"{file}: there is no column {name} at place {place + 1}, where batch.json has it")
-        written = header[len(keys) + 4 :]
+        written = header[1 + len(keys) + len(AFTER_KEYS) :]
         if missing := [name for name in quantities if name not in written] or [name for name in written if written.count(name) > 1]:
             raise Unreadable(f"{file}: there is no column {missing[0]}, or there are two")
         if unknown := [name for name in written if name not in quantities]:
@@ -127,8 +129,14 @@ class BatchFolder:
 
     @cached_property
     def quantities(self) -> list[Axis]:
-        """Axes of all quantities, in the order of batch.json."""
-        return [quantity_axis(name, str(given["title"]), str(given["unit"] or ""), np.array([case.quantities[i] for case in self.cases]))
+        """Axes of all quantities, in the order of batch.json. Those that vanish up to rounding are zero."""
+        values = np.array([case.quantities for case in self.cases])
+        sizes = np.nanmax(np.abs(values), axis=0, initial=0)
+        kinds = [kind(name, given["unit"]) for name, given in self.manifest["quantities"].items()]
+        largest = {one: sizes[[other == one for other in kinds]].max() for one in kinds}
+        noise = sizes <= ROUNDING * np.array([largest[one] for one in kinds])
+        values[:, noise] = np.where(np.isfinite(values[:, noise]), 0.0, np.nan)
+        return [quantity_axis(name, str(given["title"]), str(given["unit"] or ""), values[:, i])
                 for i, (name, given) in enumerate(self.manifest["quantities"].items())]  # fmt: skip
 
 
@@ -136,10 +144,11 @@ def case_of(row: list[str], keys: int, columns: int, places: list[int]) -> Case:
     """Reads a row. `places`: those of the quantities behind the fixed columns. Raises ValueError if a cell is none that a batch writes."""
     if len(row) != columns:
         raise ValueError(f"{len(row)} cells below {columns} column names")
-    outcome, reason, steps = row[keys + 1 : keys + 4]
+    first = 1 + keys + len(AFTER_KEYS)
+    outcome, reason, warnings, steps = row[keys + 1 : first]
     if outcome not in OUTCOMES:
         raise ValueError(f"the outcome is neither {OUTCOMES[0]} nor {OUTCOMES[1]}")
-    return Case(row[0], row[1 : keys + 1], outcome == "done", reason, number(steps), [number(row[keys + 4 + place]) for place in places])
+    return Case(row[0], row[1 : keys + 1], outcome == "done", reason, warnings, number(steps), [number(row[first + place]) for place in places])
 
 
 def number(cell: str) -> float:
@@ -152,6 +161,11 @@ def varies(values: np.ndarray) -> bool:
     """Whether finite values differ by more than rounding."""
     found = values[np.isfinite(values)]
     return len(found) > 1 and bool(np.ptp(found) > ROUNDING * np.abs(found).max())
+
+
+def kind(name: str, unit: str | None) -> str:
+    """Returns what quantities of equal kind share: the unit or, of probes, the quantity without the axis of a component."""
+    return unit or re.sub(r"_[xyz]$", "", name.split(".")[-2] if name.count(".") > 1 else name)
 
 
 def quantity_axis(name: str, title: str, unit: str, values: np.ndarray) -> Axis:

@@ -5,6 +5,8 @@ The program signorini starts it for a mesh.file of such a format: the path is on
 "m" and the text, or "e" and the reason why the file cannot be read, in one sentence.
 """
 
+import contextlib
+import io
 import os
 import re
 import sys
@@ -126,18 +128,23 @@ def convert(file: Path) -> str:
 def read(file: Path) -> "meshio.Mesh":
     kind = {".e": "exodus", ".exo": "exodus", ".bdf": "nastran", ".nas": "nastran"}.get(file.suffix.lower())
     if file.suffix.lower() == ".inp":
-        require_plain_abaqus(file.read_text(encoding="utf-8", errors="replace"))
+        text = file.read_text(encoding="utf-8", errors="replace")
+        require_plain_abaqus(text)
+        require_members(text)
+    printed = io.StringIO()  # meshio gives some reasons on the screen, and ends
     try:
         if kind == "nastran" and "BEGIN BULK" not in (text := file.read_text(encoding="utf-8", errors="replace")).upper():
             with tempfile.TemporaryDirectory() as scratch:  # the bulk data alone
                 (whole := Path(scratch) / "whole.bdf").write_text(f"BEGIN BULK\n{text}\nENDDATA\n")
                 return meshio.read(whole, kind)
-        return meshio.read(file, kind)
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+            return meshio.read(file, kind)
     except ImportError as missing:
         raise Unreadable(f"meshio needs the Python package {missing.name} ({sys.executable}) for this format; install it") from None
     except (Exception, SystemExit) as error:
-        # Where meshio itself ends, the reason is on the screen.
-        reason = "it is damaged" if isinstance(error, SystemExit) else " ".join(str(error).split()) or type(error).__name__
+        ended = isinstance(error, SystemExit)
+        reason = " ".join((printed.getvalue() if ended else str(error)).removeprefix("Error:").split())
+        reason = reason.rstrip(".") or ("it is damaged" if ended else type(error).__name__)
         raise Unreadable(f"meshio cannot read it ({reason}); check that the file is complete, or convert it to .msh") from None
 
 
@@ -158,6 +165,33 @@ def require_plain_abaqus(text: str) -> None:
                 raise Unreadable("*INSTANCE with a translation or rotation cannot be read; export the mesh of the assembly, flat")
     if instances > 1 or parts > 1:
         raise Unreadable(f"several parts or instances cannot be read (found {parts} *PART, {instances} *INSTANCE); export the mesh of the assembly, flat")
+
+
+def require_members(text: str) -> None:
+    """Refuses sets of nodes or elements that the file does not have; meshio leaves out such members."""
+    labels: dict[str, set[int]] = {"node": set(), "element": set()}
+    members: list[tuple[str, str, int]] = []  # kind, set and label
+    keyword, name, generate, continued = "", "", False, False
+    for line in map(str.strip, text.splitlines()):
+        if not line or line.startswith("**"):
+            continue
+        words = [word.strip() for word in line.split(",")]
+        if line.startswith("*"):
+            keyword, continued = words[0].lower(), False
+            generate = any(word.lower() == "generate" for word in words)
+            name = next((word.split("=", 1)[1].strip() for word in words if re.match(r"(n|el)set\s*=", word, re.IGNORECASE)), "")
+        elif keyword in ("*node", "*element"):
+            if not continued and words[0].isdigit():
+                labels[keyword[1:]].add(int(words[0]))
+            continued = line.endswith(",")
+        elif keyword in ("*nset", "*elset"):
+            numbers = [int(word) for word in words if word.isdigit()]  # others are names of sets
+            if generate and len(numbers) > 1:
+                numbers = range(numbers[0], numbers[1] + 1, *numbers[2:3])
+            members += [("node" if keyword == "*nset" else "element", name, number) for number in numbers]
+    for kind, name, number in members:
+        if number not in labels[kind]:
+            raise Unreadable(f'the set "{name}" names the {kind} {number}, which the file does not have; export the mesh with all its {kind}s')
 
 
 def collect_sets(body: Body) -> None:

@@ -50,6 +50,7 @@ def facts(batch: BatchFolder) -> list[tuple[str, str]]:
     found.append(("Keys", ", ".join(map(str, given["keys"])) or "none"))
     if given["seconds"] is not None:
         found.append(("Seconds in all", quantity(given["seconds"], "s")))
+    found += [("Warning", f"{one['message']} ({whole(one['cases'])} of {whole(count)} cases, first {one['case']})") for one in given["warnings"]]
     return [*found, ("Versions", ", ".join(f"{name} {version}" for name, version in given["versions"].items()))]
 
 
@@ -242,10 +243,10 @@ def plain(values: np.ndarray) -> list[float | None]:
 
 
 def head(batch: BatchFolder) -> list[str]:
-    return ["Case", *map(str, batch.keys), "Outcome", "Reason", "Steps", *(axis.label for axis in batch.quantities)]
+    return ["Case", *map(str, batch.keys), "Outcome", "Reason", "Warnings", "Steps", *(axis.label for axis in batch.quantities)]
 
 
 def row(batch: BatchFolder, number: int, case: Case) -> list[str]:
     steps = "" if math.isnan(case.steps) else f"{case.steps:.0f}"
-    return [case.name, *case.keys, "done" if case.done else "failed", case.reason, steps,
+    return [case.name, *case.keys, "done" if case.done else "failed", case.reason, case.warnings, steps,
             *(shown(axis.values[number]) for axis in batch.quantities)]  # fmt: skip

@@ -13,6 +13,7 @@ from .files import NotInRun, whole_text
 from .report_parts import GREY, Chart, Gathering, Section, Table, dots, figure, line, packed, time_axis
 from .run_folder import RunFolder
 
+JOINT = 0.95  # modulus of the correlation of two unknowns above which each deviation is over three times that of a combination
 ELLIPSES = {"39 %: one deviation along each axis": 1.0, "95 %": 5.991**0.5}  # of two unknowns; radii in standard deviations
 
 
@@ -52,9 +53,19 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
     if not run.is_fit:
         return []
     fit = run.manifest["fit"]
-    determined = "" if fit["not_told"] else " The data determine all unknowns."
+    determined = "" if fit["not_told"] else f" {determination(run)}"
     return [("Misfit", f"{fit['misfit']:.3g} standard deviations (root mean square of {fit['values']} values): about 1 if the model "
                        f"explains the data up to their noise.{determined}")]  # fmt: skip
+
+
+def determination(run: RunFolder) -> str:
+    """Returns a sentence on how well the data determine the unknowns, each of which has a finite deviation."""
+    names = [one["name"] for one in run.manifest["unknowns_fitted"]]
+    pairs = [(run.manifest["fit"]["correlations"][i][j], names[i], names[j]) for i, j in combinations(range(len(names)), 2)]
+    r, first, second = max(pairs, key=lambda pair: abs(pair[0]), default=(0.0, "", ""))
+    if abs(r) > JOINT:
+        return f"The data determine {first} and {second} well only in combination (correlation {r:+.3f})."
+    return "The data determine all unknowns."
 
 
 def unit_of(run: RunFolder, name: str) -> str:

@@ -18,14 +18,14 @@ def write_batch(folder: Path, keys: list[str], cases: list[tuple], /, **changes:
     failed = sum(isinstance(found, str) for _, _, found in cases)
     with open(folder / "cases.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["case", *keys, "outcome", "reason", "steps", *QUANTITIES])
+        table.writerow(["case", *keys, "outcome", "reason", "warnings", "steps", *QUANTITIES])
         for name, texts, found in cases:
             if isinstance(found, str):
-                table.writerow([name, *texts, "failed", found, "", *[""] * len(QUANTITIES)])
+                table.writerow([name, *texts, "failed", found, "", "", *[""] * len(QUANTITIES)])
             else:
-                table.writerow([name, *texts, "done", "", 200, *("" if np.isnan(value) else f"{value:.17g}" for value in found)])
+                table.writerow([name, *texts, "done", "", "", 200, *("" if np.isnan(value) else f"{value:.17g}" for value in found)])
     manifest = {"verb": "batch", "scene": "block", "cases": len(cases), "done": len(cases) - failed, "failed": failed, "keys": keys,
-                "quantities": {name: {"title": title, "unit": unit} for name, (title, unit) in QUANTITIES.items()}, "seconds": 12.5,
+                "quantities": {name: {"title": title, "unit": unit} for name, (title, unit) in QUANTITIES.items()}, "warnings": [], "seconds": 12.5,
                 "blocks": [], "shard": None, "versions": {"signorini": "1.0", "dolfinx": "0.9.0"},
                 "files": ["cases.csv", "batch.json", "scene.toml"]}  # fmt: skip
     (folder / "batch.json").write_text(json.dumps(manifest | changes, indent=1) + "\n")

@@ -2,6 +2,7 @@
 #include "app/info.h"
 #include "base/collective.h"
 #include "base/machine.h"
+#include "base/text.h"
 #include "drivers/coarse_start.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search.h"
@@ -25,8 +26,6 @@ struct Cost {
   double bytes = 0; ///< memory of the matrices and vectors
   std::string step{};
 };
-
-std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e6); }
 
 /// Memory of the states and active sets that an optimisation keeps, summed over the ranks, bytes. Active sets
 /// count with every candidate active in all steps, their upper bound. Adjoint states are not kept.
@@ -58,7 +57,7 @@ std::string again(const problem::Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const trajectory::StateStoreFactory storage = problem::state_stores(problem);
   if (kept.storage == scene::Storage::disk)
-    return fmt::format(" (states on disk: {} for each motion)", megabytes(storage.bytes()));
+    return fmt::format(" (states on disk: {} for each motion)", bytes_text(storage.bytes()));
   const int slots =
       static_cast<int>(std::lround(storage.bytes() / trajectory::Checkpoint::bytes(problem.stepper)));
   const double made = static_cast<double>(trajectory::steps_made(problem.steps(), slots));
@@ -226,7 +225,8 @@ std::string estimate(const problem::Problem& problem, int timed_steps) {
     text += fmt::format("{} {:.3g} ms per step in contact ({} steps)", times.free_steps ? "," : "",
                         1e3 * times.contact, times.contact_steps);
   const double sweep = all / steps * problem.steps();
-  text += fmt::format("\nall {} steps: {:.2g} s", problem.steps(), sweep);
+  text += fmt::format("\n{} {} steps: {:.2g} s", problem.scene.time.until_bounce ? "at most" : "all",
+                      problem.steps(), sweep);
   if (problem.scene.objective)
     text += fmt::format("; with the adjoint sweep, as in each iteration of optimize: {:.2g} s",
                         sweep + times.adjoint * problem.steps());
@@ -242,9 +242,9 @@ std::string memory_of_ranks(MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
   if (ranks(comm) == 1)
-    return megabytes(all);
-  return fmt::format("{} in all, {} to {} on each of {} ranks", megabytes(all), megabytes(least),
-                     megabytes(most), ranks(comm));
+    return bytes_text(all);
+  return fmt::format("{} in all, {} to {} on each of {} ranks", bytes_text(all), bytes_text(least),
+                     bytes_text(most), ranks(comm));
 }
 
 /// Describes the coarse meshes on which optimize starts; empty if there are none.
@@ -261,21 +261,25 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
   problem::choose_steps(problem, console);
   const fem::Operators& body = problem.operators;
   const step::Stepper& stepper = problem.stepper;
-  console.line(
-      fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {}\nsolver: {}",
-                  problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-                  trajectory::candidates(stepper), problem.steps(),
-                  problem.grid.equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
-                  stepper.solver().choice()));
+  console.line(fmt::format(
+      "{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}{} of {}\nsolver: {}",
+      problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
+      trajectory::candidates(stepper), problem.scene.time.until_bounce ? "at most " : "", problem.steps(),
+      problem.grid.equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
+      stepper.solver().choice()));
   console.line(drivers::body_lines(problem));
   for (const std::string& line : trajectory::first_touch_lines(stepper, problem.scene))
     console.line(line);
+  if (stepper.pairs() && !problem.scene.time.automatic())
+    console.line(fmt::format("a pressure wave crosses an element in contact in {:.3g} s: a good first "
+                             "time.step for impacts is half of it",
+                             stepper.wave_time()));
   console.line(fmt::format("memory for the whole run: matrices M {}, A {}, R {}, {} {}. Each step takes one "
                            "solve with D and products with R and M",
-                           megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
-                           megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R())),
+                           bytes_text(petsc::bytes(body.M)), bytes_text(petsc::bytes(body.A)),
+                           bytes_text(petsc::bytes(stepper.of_length(stepper.first_length()).R())),
                            stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
-                           megabytes(stepper.solver().memory().factor)));
+                           bytes_text(stepper.solver().memory().factor)));
   console.line(
       "M: mass, A: elasticity, B: viscosity, W: mass for density 1; a step of length τ solves D y = R "
       "y_before + τ M v_before + forces\n");
@@ -290,7 +294,7 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
     }
     const Cost& cost = all[name];
     const std::string line =
-        fmt::format(row, name, cost.matrices, cost.bytes > 0 ? megabytes(cost.bytes) : "", cost.step);
+        fmt::format(row, name, cost.matrices, cost.bytes > 0 ? bytes_text(cost.bytes) : "", cost.step);
     console.line(line.substr(0, line.find_last_not_of(' ') + 1));
   }
   console.line(fmt::format("off: {}", off.empty() ? "none" : off));

@@ -12,6 +12,13 @@ std::string point_text(const double* x, int dim) {
   return fmt::format("({:.6g})", fmt::join(std::span(x, static_cast<std::size_t>(dim)), ", "));
 }
 
+std::string bytes_text(double bytes) {
+  constexpr double kilo = 1e3, mega = 1e6, giga = 1e9;
+  return bytes >= giga   ? fmt::format("{:.3g} GB", bytes / giga)
+         : bytes >= mega ? fmt::format("{:.3g} MB", bytes / mega)
+                         : fmt::format("{:.3g} kB", bytes / kilo);
+}
+
 std::string list(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

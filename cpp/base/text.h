@@ -10,6 +10,9 @@ namespace signorini {
 /// digits.
 std::string point_text(const double* x, int dim = 3);
 
+/// Formats a memory size with its unit, kB, MB or GB.
+std::string bytes_text(double bytes);
+
 /// Joins names as "a, b, c".
 std::string list(const std::vector<std::string>& names);
 

@@ -178,8 +178,9 @@ int run_batch(MPI_Comm comm, const scene::Scene& scene, const ParseScene& parse,
     const std::size_t failed = results->failed();
     console.line(fmt::format("{} of {} cases have ended, {} of them failed; {:.3g} s, {} blocks", ended,
                              cases.size(), failed, seconds, sizes.size()));
-    if (failed > 0)
-      console.line(results->first_failure());
+    constexpr std::size_t most = 5;
+    for (const std::string& line : results->trouble_lines(most))
+      console.line(line);
     console.line(fmt::format("results in {}", out.string()));
     if (static_cast<int>(failed) == ended)
       status = exit_status::solver_failed;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/case_motion.h"
 #include "base/error.h"
+#include "batch/restitution.h"
+#include "diagnostics/plausibility.h"
+#include "diagnostics/warnings.h"
 #include "drivers/run_manifest.h"
 #include <algorithm>
+#include <limits>
 
 namespace signorini::batch {
 
@@ -10,10 +14,12 @@ std::vector<accuracy::Quantity> case_quantities(const scene::Scene& scene,
                                                 const std::vector<std::string>& names, int dim) {
   std::vector<accuracy::Quantity> all = accuracy::quantities(scene, dim);
   std::erase_if(all, &accuracy::Quantity::field);
+  if (!scene.contacts.empty())
+    all.push_back({Restitution::name, "coefficient of restitution", ""});
   if (!names.empty())
     return accuracy::named(all, names, "numbers");
   std::erase_if(all, [](const accuracy::Quantity& one) {
-    return one.name == "energy_loss" || one.name == accuracy::of_stress;
+    return one.name == "energy_loss" || one.name == accuracy::of_stress || one.name == Restitution::name;
   });
   return all;
 }
@@ -38,6 +44,35 @@ Outcome CaseMotion::run(const std::filesystem::path* folder) {
 }
 
 namespace {
+
+/// Collects the warnings that a motion leaves the range of the model or that the mesh does not resolve it.
+class ModelWarnings {
+public:
+  explicit ModelWarnings(const problem::Problem& problem)
+      : plausibility_(problem.stepper, problem.scene), resolution_(problem.stepper, problem.scene),
+        forces_(problem.stepper) {}
+
+  void observe(const trajectory::Frame& frame) {
+    forces_.observe(frame);
+    resolution_.observe(frame, forces_);
+    plausibility_.observe(frame, nullptr);
+  }
+
+  /// Adds the warnings to those of the steps, `found`, and returns the first message of each kind.
+  [[nodiscard]] std::map<std::string, std::string> by_kind(std::vector<Warning> found) {
+    std::ranges::move(plausibility_.warnings(), std::back_inserter(found));
+    std::ranges::move(resolution_.warnings(), std::back_inserter(found));
+    std::map<std::string, std::string> first;
+    for (const Warning& one : found)
+      first.try_emplace(one.name, one.message);
+    return first;
+  }
+
+private:
+  diagnostics::Plausibility plausibility_;
+  diagnostics::ContactResolution resolution_;
+  diagnostics::ObstacleForces forces_;
+};
 
 /// Folder with the results of a motion, and their writer.
 class Recording {
@@ -72,6 +107,10 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
   if (folder)
     recording.emplace(problem_, given_.acts(), *folder);
   accuracy::MotionQuantities quantities(problem_, wanted_, nullptr);
+  ModelWarnings warnings(problem_);
+  std::optional<Restitution> restitution;
+  if (accuracy::has(wanted_, Restitution::name))
+    restitution.emplace(problem_);
   std::optional<problem::RunObjective> objective;
   if (scene_.objective && accuracy::has(wanted_, "J"))
     objective.emplace(problem_, given_);
@@ -80,6 +119,9 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
     probes.emplace(problem_, given_.acts());
   accuracy::simulate(problem_, given_.load(), [&](const trajectory::Frame& frame) {
     quantities(frame);
+    warnings.observe(frame);
+    if (restitution)
+      restitution->observe(frame);
     if (objective)
       objective->observe(frame);
     if (probes)
@@ -96,7 +138,10 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
   }
   if (recording)
     recording->publish(J);
-  Outcome outcome{.steps = problem_.steps()};
+  if (restitution)
+    measured.numbers[Restitution::name] =
+        restitution->value().value_or(std::numeric_limits<double>::quiet_NaN());
+  Outcome outcome{.steps = problem_.steps(), .warnings = warnings.by_kind(measured.warnings)};
   for (const accuracy::Quantity& one : wanted_)
     if (const auto found = measured.numbers.find(one.name); found != measured.numbers.end())
       outcome.numbers.emplace_back(one.name, found->second);

@@ -4,6 +4,7 @@
 #include "batch/probe_figures.h"
 #include "problem/run_objective.h"
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,7 +19,9 @@ using Numbers = std::vector<std::pair<std::string, double>>;
 struct Outcome {
   int steps = 0;
   Numbers numbers{};
-  std::string reason{};     ///< empty if the motion was computed
+  std::string reason{}; ///< empty if the motion was computed
+  /// Warnings about the motion: the first message of each kind.
+  std::map<std::string, std::string> warnings{};
   bool interrupted = false; ///< whether a request to stop ended it; it then has no numbers
 };
 
@@ -50,9 +53,9 @@ private:
   std::vector<accuracy::Quantity> wanted_;
 };
 
-/// Quantities of a scene that cases can have: those of study that are numbers. `names`: the wanted ones;
-/// empty: all but energy_loss, which takes two products a step, and the stress. Throws UserError if a name is
-/// unknown or names a field.
+/// Quantities of a scene that cases can have: those of study that are numbers, and the restitution. `names`:
+/// the wanted ones; empty: all but the stress, energy_loss and restitution, which take two products a step.
+/// Throws UserError if a name is unknown or names a field.
 std::vector<accuracy::Quantity> case_quantities(const scene::Scene& scene,
                                                 const std::vector<std::string>& names, int dim);
 

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <sstream>
 
 namespace signorini::batch {
@@ -19,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char *table_file = "cases.csv", *manifest_file = "batch.json", *scene_file = "scene.toml";
 const io::FolderLock::Names file_names{table_file, manifest_file, scene_file};
-constexpr std::size_t own_columns = 3; ///< outcome, reason, steps
+constexpr std::size_t own_columns = 4; ///< outcome, reason, warnings, steps
 constexpr const char *done = "done", *failed_word = "failed";
 
 std::string content(const std::filesystem::path& file) {
@@ -38,6 +41,27 @@ std::vector<std::string> columns(const std::vector<std::optional<Outcome>>& outc
         if (std::ranges::find(names, name) == names.end())
           names.push_back(name);
   return names;
+}
+
+constexpr const char* separator = "; "; ///< between the warnings of a case
+
+/// Splits a cell of warnings.
+std::vector<std::string> words(const std::string& cell) {
+  std::vector<std::string> found;
+  for (std::size_t begin = 0; begin < cell.size();) {
+    const std::size_t end = std::min(cell.find(separator, begin), cell.size());
+    found.push_back(cell.substr(begin, end - begin));
+    begin = end + std::char_traits<char>::length(separator);
+  }
+  return found;
+}
+
+/// Message of a kind of warning in batch.json; the kind itself if there is none.
+std::string message_of(const Json& manifest, const std::string& kind) {
+  for (const Json& one : manifest.value("warnings", Json::array()))
+    if (one.is_object() && one.value("name", "") == kind)
+      return one.value("message", kind);
+  return kind;
 }
 
 } // namespace
@@ -64,11 +88,41 @@ std::size_t Results::failed() const {
       outcomes_, [](const auto& outcome) { return outcome && !outcome->reason.empty(); }));
 }
 
-std::string Results::first_failure() const {
-  for (std::size_t i = 0; i < outcomes_.size(); ++i)
-    if (outcomes_[i] && !outcomes_[i]->reason.empty())
-      return fmt::format("case {}: {}", table_.rows[i].name, outcomes_[i]->reason);
-  return {};
+std::vector<Results::Trouble> Results::troubles(bool warnings) const {
+  std::vector<Trouble> found;
+  const auto add = [&](std::size_t i, const std::string& kind, const std::string& message) {
+    const auto known = std::ranges::find(found, kind, &Trouble::kind);
+    if (known == found.end())
+      found.push_back({kind, message, i, 1});
+    else
+      ++known->cases;
+  };
+  for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+    if (!outcomes_[i])
+      continue;
+    if (warnings)
+      for (const auto& [kind, message] : outcomes_[i]->warnings)
+        add(i, kind, message);
+    else if (const std::string& reason = outcomes_[i]->reason; !reason.empty())
+      add(i, reason, reason);
+  }
+  std::ranges::stable_sort(found, std::greater(), &Trouble::cases);
+  return found;
+}
+
+std::vector<std::string> Results::trouble_lines(std::size_t most) const {
+  std::vector<std::string> lines;
+  const auto add = [&](bool warnings, const char* what) {
+    const std::vector<Trouble> all = troubles(warnings);
+    for (const Trouble& one : all | std::views::take(most))
+      lines.push_back(fmt::format("{}, {} of {} cases, first case {}: {}", what, one.cases, ended(),
+                                  table_.rows[one.first].name, one.message));
+    if (all.size() > most)
+      lines.push_back(fmt::format("and {} more kinds: see {}", all.size() - most, table_file));
+  };
+  add(false, "failed");
+  add(true, "warning");
+  return lines;
 }
 
 std::size_t Results::resume() {
@@ -107,12 +161,14 @@ std::size_t Results::take(const std::filesystem::path& folder) {
       return true;
     }
     const auto known = number_of.find(cells.front());
-    if (cells.size() != header.size() || header.size() < first + own_columns || known == number_of.end() ||
-        outcomes_[known->second] ||
+    if (cells.size() != header.size() || header.size() < first + own_columns ||
+        header[first + 2] != "warnings" || known == number_of.end() || outcomes_[known->second] ||
         !std::equal(table_.rows[known->second].values.begin(), table_.rows[known->second].values.end(),
                     cells.begin() + 1))
       return true; // of another case
-    Outcome outcome{.steps = std::atoi(cells[first + 2].c_str()), .numbers = {}, .reason = cells[first + 1]};
+    Outcome outcome{.steps = std::atoi(cells[first + 3].c_str()), .reason = cells[first + 1]};
+    for (const std::string& kind : words(cells[first + 2]))
+      outcome.warnings[kind] = message_of(manifest, kind);
     for (std::size_t j = first + own_columns; j < cells.size(); ++j)
       if (!cells[j].empty())
         outcome.numbers.emplace_back(header[j], std::strtod(cells[j].c_str(), nullptr));
@@ -128,7 +184,7 @@ std::string Results::table_text() const {
   std::string text = "case";
   for (const std::string& key : table_.keys)
     text += "," + scene::csv::cell(key);
-  text += ",outcome,reason,steps";
+  text += ",outcome,reason,warnings,steps";
   for (const std::string& name : names)
     text += "," + scene::csv::cell(name);
   text += '\n';
@@ -139,8 +195,10 @@ std::string Results::table_text() const {
     text += scene::csv::cell(table_.rows[i].name);
     for (const std::string& value : table_.rows[i].values)
       text += "," + scene::csv::cell(value);
-    text += fmt::format(",{},{},{}", outcome.reason.empty() ? done : failed_word,
-                        scene::csv::cell(outcome.reason), outcome.steps);
+    text += fmt::format(
+        ",{},{},{},{}", outcome.reason.empty() ? done : failed_word, scene::csv::cell(outcome.reason),
+        scene::csv::cell(fmt::format("{}", fmt::join(outcome.warnings | std::views::keys, separator))),
+        outcome.steps);
     for (const std::string& name : names) {
       const auto found = std::ranges::find(outcome.numbers, name, &Numbers::value_type::first);
       text += ',';
@@ -166,6 +224,12 @@ void Results::write(double seconds, const std::vector<std::size_t>& blocks) cons
                                    ? Json{{"title", known->second.title}, {"unit", known->second.unit}}
                                    : Json{{"title", name}, {"unit", nullptr}}; // of a probe, in SI units
   }
+  json["warnings"] = Json::array();
+  for (const Trouble& one : troubles(true))
+    json["warnings"].push_back({{"name", one.kind},
+                                {"message", one.message},
+                                {"case", table_.rows[one.first].name},
+                                {"cases", one.cases}});
   json["seconds"] = seconds;
   json["blocks"] = blocks;
   json["shard"] = shard_ ? Json{shard_->index, shard_->count} : Json();
@@ -187,7 +251,7 @@ std::string packed(const std::vector<std::pair<std::size_t, Outcome>>& outcomes)
     Json numbers = Json::array();
     for (const auto& [name, value] : outcome.numbers)
       numbers.push_back({name, fmt::format("{:.17g}", value)}); // JSON has no NaN
-    all.push_back({number, outcome.steps, outcome.reason, outcome.interrupted, numbers});
+    all.push_back({number, outcome.steps, outcome.reason, outcome.interrupted, numbers, outcome.warnings});
   }
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -195,7 +259,8 @@ std::string packed(const std::vector<std::pair<std::size_t, Outcome>>& outcomes)
 std::vector<std::pair<std::size_t, Outcome>> unpacked(const std::string& text) {
   std::vector<std::pair<std::size_t, Outcome>> outcomes;
   for (const Json& one : Json::parse(text)) {
-    Outcome outcome{.steps = one.at(1), .numbers = {}, .reason = one.at(2), .interrupted = one.at(3)};
+    Outcome outcome{.steps = one.at(1), .reason = one.at(2), .interrupted = one.at(3)};
+    outcome.warnings = one.at(5).get<std::map<std::string, std::string>>();
     for (const Json& number : one.at(4))
       outcome.numbers.emplace_back(number.at(0),
                                    std::strtod(number.at(1).get<std::string>().c_str(), nullptr));

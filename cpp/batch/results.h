@@ -37,8 +37,9 @@ public:
   /// Number of cases with an outcome, and of those that failed.
   [[nodiscard]] std::size_t ended() const;
   [[nodiscard]] std::size_t failed() const;
-  /// First failure: name of the case and its reason; empty without.
-  [[nodiscard]] std::string first_failure() const;
+  /// Lines on what went wrong: each reason of failed cases and each kind of warning with the first case that
+  /// has it and the number of cases, most frequent first; at most `most` of both.
+  [[nodiscard]] std::vector<std::string> trouble_lines(std::size_t most) const;
 
   /// Replaces the files. `seconds`: time of the batch so far; `blocks`: sizes of the blocks of this run.
   void write(double seconds, const std::vector<std::size_t>& blocks) const;
@@ -46,6 +47,13 @@ public:
 private:
   std::size_t take(const std::filesystem::path& folder);
   [[nodiscard]] std::string table_text() const;
+  /// A message with the cases that have it.
+  struct Trouble {
+    std::string kind, message; ///< message of the first case
+    std::size_t first = 0, cases = 0;
+  };
+  /// Reasons of failed cases or, if `warnings`, the warnings about motions by kind, most frequent first.
+  [[nodiscard]] std::vector<Trouble> troubles(bool warnings) const;
 
   std::filesystem::path folder_;
   io::FolderLock lock_;

@@ -234,20 +234,26 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
                      held > 0 ? fmt::format(". Of these, {} act on clamps alone, without effect", held) : ""),
          static_cast<double>(points), 0});
   }
+  const auto add = [&](const char* name, const std::string& key, const std::string& group,
+                       std::int64_t facets, const char* what) {
+    if (facets > 0)
+      warnings.push_back({name,
+                          fmt::format("{}: the group \"{}\" has {} facet{} {}", key, group, facets,
+                                      facets == 1 ? "" : "s", what),
+                          static_cast<double>(facets), 0});
+  };
   for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
-    const std::string key = scene::contact_key(scene_.contacts, i), &group = scene_.contacts[i].on;
-    const auto add = [&](const char* name, std::int64_t facets, const char* what) {
-      if (facets > 0)
-        warnings.push_back({name,
-                            fmt::format("{}.on: the group \"{}\" has {} facet{} {}", key, group, facets,
-                                        facets == 1 ? "" : "s", what),
-                            static_cast<double>(facets), 0});
-    };
-    add("contact inside the body", fem::inner_facets(space.mesh(), group, key + ".on"),
+    const std::string key = scene::contact_key(scene_.contacts, i) + ".on", &group = scene_.contacts[i].on;
+    add("contact inside the body", key, group, fem::inner_facets(space.mesh(), group, key),
         "inside the body, out of reach of any obstacle");
-    add("contact on a clamp",
-        fem::facets_among(space, group, key + ".on", stepper_.pairs()->clamped_dofs(static_cast<int>(i))),
+    add("contact on a clamp", key, group,
+        fem::facets_among(space, group, key, stepper_.pairs()->clamped_dofs(static_cast<int>(i))),
         "that cannot come into contact, since all nodes there are clamped");
+  }
+  for (std::size_t i = 0; scene_.load && i < scene_.load->tractions.size(); ++i) {
+    const std::string key = fmt::format("load.traction[{}].on", i), &group = scene_.load->tractions[i].on;
+    add("traction inside the body", key, group, fem::inner_facets(space.mesh(), group, key),
+        "inside the body, where the traction acts too");
   }
 }
 

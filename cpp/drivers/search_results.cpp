@@ -77,7 +77,13 @@ std::string words(optimize::Stop stop, const SearchEnd& end) {
 }
 
 /// Prints a description of the kink at which a search ended.
-void show(const io::Kink& kink, double first_norm, const Console& console) {
+void show(const io::Kink& kink, const SearchSubject& subject, double first_norm, const Console& console) {
+  const auto scenario = [&](int motion) -> std::string {
+    for (std::size_t i = 0; i < subject.scene.scenarios.size(); ++i)
+      if (subject.control->scenarios->number(i) == static_cast<std::size_t>(motion))
+        return fmt::format(" of \"{}\"", subject.scene.scenarios[i].name);
+    return "";
+  };
   std::string text = fmt::format(
       "no direction lowers J. {} gradients within {:.1e} of the control in L2 have a convex combination of "
       "norm {:.2e}, {:.1e} times the first gradient norm. ",
@@ -92,8 +98,9 @@ void show(const io::Kink& kink, double first_norm, const Console& console) {
   console.line(text);
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
-    console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
-                             kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
+    console.line(fmt::format("  step {}{} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
+                             scenario(kink.weak[i].motion), kink.weak[i].time,
+                             fmt::join(kink.weak[i].x, ", ")));
   if (kink.weak.size() > most_lines)
     console.line(fmt::format("  and {} more; run.json lists all", kink.weak.size() - most_lines));
 }
@@ -230,7 +237,7 @@ void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& 
   m.coarse_levels = std::move(end.levels);
   if (end.stop == optimize::Stop::kink) {
     m.kink = log.final_kink().value();
-    show(*m.kink, end.first_norm, console);
+    show(*m.kink, subject, end.first_norm, console);
   }
 }
 

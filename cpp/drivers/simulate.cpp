@@ -159,6 +159,8 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (chosen_frames)
     now.output.every = steps_between_frames(problem);
   console.line(headline(problem));
+  if (!scene.scenarios.empty())
+    console.line("note: this is the motion of the scene itself; only check and optimize use its scenarios");
 
   Simulation simulation(problem, folder, options.measure);
   if (chosen_frames)

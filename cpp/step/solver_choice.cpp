@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/solver_choice.h"
 #include "base/collective.h"
+#include "base/text.h"
 #include "contact/condensation.h"
 #include "contact/solver/full.h"
 #include "contact/solver/projected.h"
@@ -191,7 +192,6 @@ SolverChoice::SolverChoice(const SolverChoice& like, const contact::ContactPairs
 
 void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                              const EliminationOrder& order) {
-  constexpr double gigabyte = 1e9;
   const int size = ranks(petsc::comm(D_));
   const bool automatic = scene.linear == scene::LinearMethod::automatic;
   const auto settle = [&](auto solver, double trailing_block) -> decltype(solver.get()) {
@@ -199,9 +199,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     const bool indexable = solver->indexable();
     std::string compared =
         indexable
-            ? fmt::format("a factor needs {:.2g} GB, the limit is {:.2g} GB", needed / gigabyte,
-                          scene.memory / gigabyte)
-            : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
+            ? fmt::format("a factor needs {}, the limit is {}", bytes_text(needed), bytes_text(scene.memory))
+            : fmt::format("a factor of {} has more entries than can be numbered", bytes_text(needed));
     if (automatic && (needed > scene.memory || !indexable)) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
       const std::string why = fmt::format("{} ({}: {})", other->name(), solver->name(), compared);
@@ -224,8 +223,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
   if (size == 1) {
     if (const double least = least_factor_bytes(D_); automatic && least > scene.memory) {
       auto other = std::make_unique<ConjugateGradients>(D_, solves);
-      const std::string why = fmt::format("{} (a factor needs at least {:.2g} GB, the limit is {:.2g} GB)",
-                                          other->name(), least / gigabyte, scene.memory / gigabyte);
+      const std::string why = fmt::format("{} (a factor needs at least {}, the limit is {})", other->name(),
+                                          bytes_text(least), bytes_text(scene.memory));
       return iterate(std::move(other), why);
     }
     auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),

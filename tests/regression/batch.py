@@ -143,8 +143,8 @@ def test_probes_and_chosen_quantities(tmp_path: Path) -> None:
     probe = 'output.probe=[{ name = "top", point = [0, 20] }]'
     cases = write(tmp_path / "cases.csv", KEYS, DROPS[:2])
     found = batch(DISC, cases, tmp_path / "batch", *changes(*FALL, probe), "--quantity", "energy_loss,peak_force")
-    assert list(found[0])[:7] == ["case", *KEYS, "outcome", "reason", "steps"]
-    assert [name for name in list(found[0])[7:] if "top" not in name] == ["energy_loss", "peak_force"]
+    assert list(found[0])[:8] == ["case", *KEYS, "outcome", "reason", "warnings", "steps"]
+    assert [name for name in list(found[0])[8:] if "top" not in name] == ["energy_loss", "peak_force"]
     impulse_alone(DISC, KEYS, DROPS[0], tmp_path / "alone", *FALL, probe)
     alone = table(tmp_path / "alone" / "probes.csv")["top.displacement_y"]
     for end, value in (("min", alone.min()), ("max", alone.max()), ("end", alone[-1])):
@@ -157,13 +157,48 @@ def test_failed_cases_are_rows(tmp_path: Path) -> None:
     keys = ["material.poisson", "contact.obstacle.point"]
     rows = [["0.25", "[0, -20.1]"], ["0.6", "[0, -20.1]"], ["0.25", "[0, -19]"], ["0.3", "[0, -20.1]"]]
     done = attempt(DISC, write(tmp_path / "cases.csv", keys, rows), tmp_path / "out", *changes(*FALL))
-    assert done.returncode == 0 and "4 of 4 cases have ended, 2 of them failed" in done.stdout and "case 2: " in done.stdout
+    assert done.returncode == 0 and "4 of 4 cases have ended, 2 of them failed" in done.stdout and "failed, 1 of 4 cases, first case 2: " in done.stdout
     found = table_of(tmp_path / "out")
     assert [row["outcome"] for row in found] == ["done", "failed", "failed", "done"]
     assert "material.poisson" in found[1]["reason"] and "0.6" in found[1]["reason"] and found[1]["impulse"] == ""
     assert "inside" in found[2]["reason"]
     alone = attempt(DISC, write(tmp_path / "one.csv", keys, rows[2:3]), tmp_path / "one", *changes(*FALL))
     assert alone.returncode == 3 and table_of(tmp_path / "one")[0]["outcome"] == "failed"
+
+
+def test_warnings(tmp_path: Path) -> None:
+    """Those of a single run, counted at the end and kept by --resume."""
+    cases = write(tmp_path / "cases.csv", ["initial.velocity"], [["[0, -0.3]"], ["[0, -5]"], ["[0, -0.2]"]])
+    sets = changes(*FALL, "contact.obstacle.point=[0, -20.1]", "material.young=5000", "time.end=1")
+    done = attempt(DISC, cases, tmp_path / "out", *sets)
+    assert done.returncode == 0, done.stderr
+    found = [row["warnings"].split("; ") for row in table_of(tmp_path / "out")]
+    assert "large strain" in found[1] and "large strain" not in found[0] + found[2]
+    assert "warning, 1 of 3 cases, first case 2: a principal strain is " in done.stdout
+    listed = json.loads((tmp_path / "out" / "batch.json").read_text())["warnings"]
+    assert [(one["case"], one["cases"]) for one in listed if one["name"] == "large strain"] == [("2", 1)]
+    for i, velocity in enumerate(("[0, -0.3]", "[0, -5]")):
+        alone = captured([str(SIGNORINI), "simulate", str(DISC), "--out", str(tmp_path / f"{i}"), *sets, *changes(f"initial.velocity={velocity}")])
+        assert alone.returncode == 0, alone.stderr
+        run = json.loads((tmp_path / f"{i}" / "run.json").read_text())
+        assert sorted({one["name"] for one in run["warnings"]}) == [kind for kind in found[i] if kind]
+    again = attempt(DISC, cases, tmp_path / "out", *sets, "--resume")
+    assert again.returncode == 0 and [line for line in again.stdout.splitlines() if line.startswith("warning")] == \
+        [line for line in done.stdout.splitlines() if line.startswith("warning")]  # fmt: skip
+    assert json.loads((tmp_path / "out" / "batch.json").read_text())["warnings"] == listed
+
+
+def test_restitution(tmp_path: Path) -> None:
+    """That of a single run; empty where the body does not rebound."""
+    cases = write(tmp_path / "cases.csv", ["initial.velocity"], [["[0, -4]"], ["[0, -6]"], ["[0, 1]"]])
+    sets = changes(*FALL, "contact.obstacle.point=[0, -20.1]", "load.body=[\"0\", \"0\"]", "time.end=20")
+    found = batch(DISC, cases, tmp_path / "out", *sets, "--quantity", "restitution,impulse")
+    assert found[2]["restitution"] == "" and float(found[2]["impulse"]) == 0
+    for row in found[:2]:
+        alone = captured([str(SIGNORINI), "simulate", str(DISC), "--out", str(tmp_path / "alone"), *sets, *changes(f"initial.velocity={row['initial.velocity']}")])
+        assert alone.returncode == 0, alone.stderr
+        expected = json.loads((tmp_path / "alone" / "run.json").read_text())["impact"]["restitution"]
+        assert 0.1 < expected < 1 and float(row["restitution"]) == pytest.approx(expected, rel=1e-9)
 
 
 def table_of(folder: Path) -> list[dict[str, str]]:

@@ -402,7 +402,10 @@ def test_refusals(tmp_path: Path) -> None:
     ("*INSTANCE, NAME=a, PART=b\n0., 0., 0.01\n*END INSTANCE", ("translation or rotation cannot be read",)),
     ("*PART, NAME=a\n*END PART\n*PART, NAME=b\n*END PART", ("several parts", "found 2 *PART")),
     ("*NODE, NSET=all\n999, 5., 5., 5.", ("*NODE with NSET", "write the set by *NSET")),
-), ids=("include", "instance", "parts", "nodes"))  # fmt: skip
+    ("*NSET, NSET=lost\n1, 2,\n90001", ('the set "lost" names the node 90001',)),
+    ("*ELSET, ELSET=lost, GENERATE\n1, 90001, 45000", ('the set "lost" names the element 45001',)),
+    ("*ELEMENT, TYPE=C3D4\n90001, 1, two", ("meshio cannot read it (", "check that the file is complete")),
+), ids=("include", "instance", "parts", "nodes", "lost node", "lost element", "damaged"))  # fmt: skip
 def test_what_meshio_leaves_out_of_abaqus_files_is_refused(lines: str, texts: tuple[str, ...], tmp_path: Path) -> None:
     with_sets(3).write(tmp_path / "brick.inp")
     (tmp_path / "brick.inp").write_text((tmp_path / "brick.inp").read_text() + lines + "\n")

@@ -221,7 +221,7 @@ def test_data_of_the_script(linear: tuple[Path, np.ndarray, np.ndarray], made: P
     impulse = axes["impulse of contact (N s/m)"]["values"]
     assert impulse[7] is None and [value for value, on in zip(impulse, done) if on] == pytest.approx(quantities[:, 0], rel=1e-8)
     assert axes["time.scheme"]["values"] == [int(i % 3 > 0) for i in range(60)] and made.batch["names"][0] == ODD
-    assert made.batch["rows"][7][-5:] == ["failed", REASON, "", "", ""]
+    assert made.batch["rows"][7][-6:] == ["failed", REASON, "", "", "", ""]
 
 
 def test_html(linear: tuple[Path, np.ndarray, np.ndarray]) -> None:
@@ -314,7 +314,7 @@ DAMAGE = {
     "more columns": ("cases.csv", lambda text: text.replace(",peak_force\n", ",peak_force,J\n", 1), "found the column J, which batch.json"),
     "word": ("cases.csv", lambda text: re.sub(r",200,[^,]*,", ",200,much,", text, count=1), "row 1 cannot be read (could not convert"),
     "outcome": ("cases.csv", lambda text: text.replace(",done,", ",doen,", 1), "row 1 cannot be read (the outcome is neither done nor"),
-    "comma": ("cases.csv", lambda text: text.replace(",done,", ",,done,", 1), "row 1 cannot be read (12 cells below 11 column names)"),
+    "comma": ("cases.csv", lambda text: text.replace(",done,", ",,done,", 1), "row 1 cannot be read (13 cells below 12 column names)"),
     "quote": ("cases.csv", lambda text: text.replace('"soft, ""wet"" <b>&amp;"', '"soft, "wet" <b>&amp;', 1), "cases.csv: cannot be read"),
     "row": ("cases.csv", lambda text: text[: text.rindex("\n", 0, -1) + 1], "found 59 rows, but batch.json counts 60"),
     "outcomes": ("cases.csv", lambda text: text.replace(",failed,", ",done,", 1), "found 60 cases that are done, but batch.json counts 59"),

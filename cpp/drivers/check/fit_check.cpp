@@ -2,6 +2,7 @@
 #include "drivers/check/fit_check.h"
 #include "base/error.h"
 #include "base/log_slope.h"
+#include "diagnostics/warnings.h"
 #include "drivers/fit_outcome.h"
 #include <algorithm>
 #include <cmath>
@@ -222,7 +223,13 @@ void check_joint(control::ReducedProblem& problem, double solver_tolerance, std:
 
 void check_fit(problem::ParameterProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows) {
+  const std::size_t first = rows.size();
   FitCheck(problem, solver_tolerance, console).run(rows);
+  if (!std::ranges::all_of(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(), &CheckRow::holds))
+    console.line("The first guess does not confirm the derivatives. Where contact is weak or chatters, J is "
+                 "smooth for tiny changes only: " +
+                 diagnostics::calmer_contact(problem.reduced.stepper()) +
+                 ", or another first guess (unknown.start).");
 }
 
 } // namespace signorini::drivers
