@@ -75,9 +75,15 @@ struct ContactLinearisation {
   /// Candidates at which the law has a kink: weakly active ones, W, and those that are about to slip.
   ActiveSet weak{};
   ActiveSet predictor{}; ///< Z: candidates closed at the projected predictor; empty in other schemes
-  /// Candidates of Z and W that touch at the predictor without a multiplier of its projection: where they
-  /// open in a linearised step, they open at its predictor too.
+  /// Candidates of Z at which the projection of the predictor has a kink: they touch there without a
+  /// multiplier of the projection, and are in W or arrived in this step.
   ActiveSet predictor_weak{};
+
+  /// Number of candidates at which the step or its predictor has a kink.
+  [[nodiscard]] std::size_t kinks() const {
+    return weak.size() + static_cast<std::size_t>(std::ranges::count_if(
+                             predictor_weak, [this](int i) { return !std::ranges::binary_search(weak, i); }));
+  }
 
   /// Whether the candidate active[j] is in contact.
   [[nodiscard]] bool closed(std::size_t j) const { return equations.empty() || equations[j].closed; }

@@ -35,6 +35,7 @@ PredictorProjection::Workspace PredictorProjection::workspace() const {
   return {.r = petsc::zero_like(zero_),
           .jump = petsc::zero_like(zero_),
           .gap = std::vector<double>(static_cast<std::size_t>(pairs_.rows().count())),
+          .gap_before = std::vector<double>(static_cast<std::size_t>(pairs_.rows().count())),
           .contact = contact::ContactState(pairs_.count(), pairs_.rows().count()),
           .solver = solver_.contact()->workspace()};
 }
@@ -53,13 +54,23 @@ Vec PredictorProjection::jump(std::span<const double> psi, Vec x, const contact:
 }
 
 void PredictorProjection::find_weak(contact::ContactState& contact, bool projected,
-                                    const Workspace& work) const {
+                                    std::span<const double> psi, Vec before,
+                                    const contact::ContactLinearisation& previous, Workspace& work) const {
   contact.predictor_weak.clear();
-  for (const int i : contact.weak) {
+  bool measured = false;
+  // Where a body rests on an obstacle the predictor touches in every step, and a change keeps it there.
+  const auto arrived = [&](int i) {
+    if (std::ranges::binary_search(previous.active, i))
+      return false;
+    if (!std::exchange(measured, true))
+      pairs_.rows().gap(psi, before, work.gap_before);
+    return work.gap_before[static_cast<std::size_t>(i)] > pairs_.gap_tolerance();
+  };
+  for (int i = 0; i < pairs_.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (contact.status[at] == contact::Status::weak && // not one that is about to slip
-        (projected ? work.contact.status[at] == contact::Status::weak
-                   : work.gap[at] <= pairs_.gap_tolerance()))
+    const bool touches =
+        projected ? work.contact.status[at] == contact::Status::weak : work.gap[at] <= pairs_.gap_tolerance();
+    if (touches && (contact.status[at] == contact::Status::weak || arrived(i)))
       contact.predictor_weak.push_back(i);
   }
   if (!projected)

@@ -28,8 +28,9 @@ public:
   /// Scratch and results of jump() and linearised_jump().
   struct Workspace {
     petsc::Vector r, jump;
-    std::vector<double> gap;       ///< gaps of the predictor, m
-    contact::ContactState contact; ///< contact state of the projection
+    std::vector<double> gap;        ///< gaps of the predictor, m
+    std::vector<double> gap_before; ///< gaps at the begin of the step, m; set where a predictor touches
+    contact::ContactState contact;  ///< contact state of the projection
     contact::Workspace solver;
   };
   /// Creates scratch for jump() and linearised_jump(). Collective.
@@ -42,11 +43,13 @@ public:
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                          contact::ActiveSet& set, Workspace& work) const;
 
-  /// Completes Z and the weak part of Z after the step, whose contact is `contact`: the kinks of projection
-  /// and step are the same ones. A candidate that touches at x and, without a force, at the end of the step
-  /// is in Z, though jump() moves no candidate within the tolerance of gaps. `projected`: whether there was a
-  /// jump.
-  void find_weak(contact::ContactState& contact, bool projected, const Workspace& work) const;
+  /// Completes Z and the weak part of Z after the step, whose contact is `contact`. A candidate that touches
+  /// at x is in Z, though jump() moves no candidate within the tolerance of gaps, if it is in W, so that
+  /// projection and step have their kink together, or if it was open at the begin of the step. `projected`:
+  /// whether there was a jump; `psi`: gaps at y = 0, m; `before`: displacement at the begin of the step, m;
+  /// `previous`: contact of the step before. Collective.
+  void find_weak(contact::ContactState& contact, bool projected, std::span<const double> psi, Vec before,
+                 const contact::ContactLinearisation& previous, Workspace& work) const;
 
   /// Projects as linearised_jump() on Z, but the candidates `weak` may open: z minimises ½ (z − x)·M(z − x)
   /// over Hᵀz ≤ 0 on them. On return `set` are those that stay closed. Collective. Throws SolverFailure.

@@ -246,7 +246,9 @@ void Stepper::extrapolate(Vec v, Vec work) const {
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = in.step.scheme();
   const StepOperators::PerStepLength& with = of_length(scheme.tau);
-  std::span<const double> psi = pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
+  const std::span<const double> normal_psi =
+      pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
+  std::span<const double> psi = normal_psi;
   const Vec jump = predictor_
                        ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
                                           out.contact.predictor, *work.predictor)
@@ -278,7 +280,8 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   } else
     with.solver->linear().solve(work.r, out.to.y());
   if (predictor_)
-    predictor_->find_weak(out.contact, jump != nullptr, *work.predictor);
+    predictor_->find_weak(out.contact, jump != nullptr, normal_psi, in.from.y(), in.previous,
+                          *work.predictor);
   set_velocity(scheme, in.from, jump, out.to); // (4.22)
   set_branches(scheme, in.from, out.to);
   if (moving_clamps_)
@@ -362,7 +365,7 @@ void Stepper::linearised_step(const LinearisedStep& step, const contact::Contact
 
 void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
                              Workspace& work) const {
-  if (contact.weak.empty())
+  if (contact.kinks() == 0)
     return linearised_step(step, contact, work);
   if (!contact.predictor_weak.empty()) // afterwards Z has those that stay closed
     (void)predictor_->one_sided_jump(contact.predictor, contact.predictor_weak,

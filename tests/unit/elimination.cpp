@@ -192,7 +192,7 @@ TEST_CASE("a factor that does not fit the memory allowed is not made", "[contact
   CHECK(fits.solver.memory().factor > 1e5);
   CHECK(exceeds.solver.takes_guess());
   CHECK(exceeds.solver.memory().condensation == 0);
-  CHECK(exceeds.solver.choice().find("the limit is 0.0001 GB") != std::string::npos);
+  CHECK(exceeds.solver.choice().find("the limit is 100 kB") != std::string::npos);
   CHECK(!forced.solver.takes_guess());
 }
 

@@ -268,7 +268,7 @@ private:
   [[nodiscard]] int weak_candidates() const {
     int weak = 0;
     for (const contact::ContactLinearisation& state : problem_.trajectory().contact())
-      weak += static_cast<int>(state.weak.size());
+      weak += static_cast<int>(state.kinks());
     return weak;
   }
 

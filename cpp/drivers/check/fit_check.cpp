@@ -40,7 +40,7 @@ public:
     rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
     std::size_t weak = 0;
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
-      weak += contact.weak.size();
+      weak += contact.kinks();
     if (weak > 0)
       console_.line(
           fmt::format("Contact is weak, closed without force or about to slip, {} times (candidates × "
