@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 if not __package__:  # called by its file
     from as_package import NAME as __package__
@@ -25,6 +26,7 @@ from .run_folder import RunFolder, nearest
 from .scenery import main_normal
 
 
+MOST_LABELS = 6  # along the axis of positions, whose numbers may have a sign and three digits
 # Of the numbers of MOTION.
 MARKS = {STICK: {"color": style.SKY, "marker": "s", "linestyle": "", "markeredgecolor": "black", "label": "sticks"},
          SLIP: {"color": style.VERMILION, "marker": "D", "linestyle": "", "markeredgecolor": "black", "label": "slips"}}  # fmt: skip
@@ -61,6 +63,7 @@ def over_line(tangent: np.ndarray, name: str, contact: Contact, index: int, fact
     position, force = position[order], contact.force[index][order] * factor
     axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
     axes.set_xlabel(f"{name} (m)")
+    axes.xaxis.set_major_locator(MaxNLocator(MOST_LABELS))
     axes.set_ylabel(label)
     axes.set_ylim(0, 1.06 * force.max() or 1)
     if contact.friction is not None:
@@ -80,6 +83,7 @@ def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
         pushed = np.flatnonzero(force[own] > 0).tolist()
         axes.plot(arc.position[own], force[own], "o-", color=style.BLUE, markersize=6, markevery=pushed)
     axes.set_xlabel("position along the surface (m)")
+    axes.xaxis.set_major_locator(MaxNLocator(MOST_LABELS))
     axes.set_ylabel(label)
     axes.set_ylim(0, 1.06 * force.max() or 1)
     if contact.friction is not None:

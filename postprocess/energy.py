@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinetic, elastic and total energy, the potential of the loads, the energy dissipated so far, and with friction the energy lost to it
-and the work of surfaces that move along themselves, over time."""
+"""Kinetic, elastic and total energy, the potential of the loads, the energy dissipated so far, the work of a control and of moving clamps,
+and with friction the energy lost to it and the work of surfaces that move along themselves, over time."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ if not __package__:  # called by its file
 
 from . import style
 from .command_line import run_alone
-from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, works_of_friction
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, work_of_others, works_of_friction
 from .run_folder import RunFolder
 
 FRICTION_LOOKS = {"lost to friction so far": ("lost to friction", style.VERMILION, ":"),
@@ -28,6 +28,7 @@ def draw(run: RunFolder) -> list[Path]:
     potential = potential_of_loads(steps)
     total = stored_energy(steps) + (0 if potential is None else potential)
     friction = works_of_friction(steps)
+    given = work_of_others(steps)
     largest = max(total.max(), dissipated[-1], *(np.abs(work).max() for work in friction.values()))
     factor, unit = style.prefixed(largest, style.per_depth("J", run.whole))
 
@@ -43,12 +44,14 @@ def draw(run: RunFolder) -> list[Path]:
     axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and not further else "sum of these")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
+    if given is not None:
+        axes.plot(times, given * factor, color="#CC79A7", linestyle="-.", label="by control and clamps so far")
     for name, work in friction.items():
         label, color, linestyle = FRICTION_LOOKS[name]
         axes.plot(times, work * factor, color=color, linestyle=linestyle, label=label)
     style.shade_contact(axes, times, steps["active"])
     axes.set_ylabel(f"energy ({unit})")
-    if all(work.min() >= -1e-9 * largest for work in friction.values()):
+    if all(work.min() >= -1e-9 * largest for work in [*friction.values(), *([] if given is None else [given])]):
         axes.set_ylim(bottom=0)
     style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "energy.png")]

@@ -35,6 +35,14 @@ def works_of_friction(steps: Columns) -> dict[str, np.ndarray]:
     return {name: work for name, work in works.items() if np.abs(work).max() > ROUNDING * stored_energy(steps).max()}
 
 
+def work_of_others(steps: Columns) -> np.ndarray | None:
+    """Returns the work of a control and of moving clamps until every time step; None if rounding explains it or the run did not write it."""
+    if "load_work" not in steps:
+        return None
+    work = np.cumsum(steps["external_work"] - steps["load_work"])
+    return work if np.abs(work).max() > ROUNDING * stored_energy(steps).max() else None
+
+
 def potential_of_loads(steps: Columns) -> np.ndarray | None:
     """Returns the potential energy of the scene's loads at every time step, 0 at its least; None if they do no work or the run did
     not write it."""

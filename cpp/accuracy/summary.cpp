@@ -207,6 +207,16 @@ struct Best {
   std::optional<std::size_t> nearest, cheapest, warned;
 };
 
+/// Whether a run costs less than another one: by its time if the times differ by more than the noise of
+/// start-up and machine, else by unknowns times steps.
+bool cheaper(const Measured& one, const Measured& other) {
+  constexpr double noise = 0.2, start_up = 0.2; // relative; s
+  if (std::abs(one.seconds - other.seconds) > noise * std::max(one.seconds, other.seconds) + start_up)
+    return one.seconds < other.seconds;
+  const auto work = [](const Measured& run) { return static_cast<double>(run.unknowns) * run.steps; };
+  return work(one) < work(other);
+}
+
 Best best(const Errors& errors, const std::vector<RungResult>& results, double tolerance) {
   Best found;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -219,7 +229,7 @@ Best best(const Errors& errors, const std::vector<RungResult>& results, double t
       continue;
     const bool warned = !results[i].measured->warning(errors.quantity).empty();
     std::optional<std::size_t>& cheapest = warned ? found.warned : found.cheapest;
-    if (!cheapest || results[i].measured->seconds < results[*cheapest].measured->seconds)
+    if (!cheapest || cheaper(*results[i].measured, *results[*cheapest].measured))
       cheapest = i;
   }
   return found;

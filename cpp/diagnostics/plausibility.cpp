@@ -271,10 +271,11 @@ std::vector<Warning> Plausibility::warnings() {
   if (rotation_.value > small_rotation)
     found.push_back(
         {"large rotation",
-         fmt::format("the body turns by {} degrees {}; the small-strain model is meant for rotations below "
-                     "{:.3g} degrees {}",
-                     above(degrees(rotation_.value), degrees(small_rotation)), where(rotation_),
-                     degrees(small_rotation), since(rotation_)),
+         fmt::format(
+             "the material turns by {} degrees {}; the small-strain model is meant for rotations below "
+             "{:.3g} degrees {}",
+             above(degrees(rotation_.value), degrees(small_rotation)), where(rotation_),
+             degrees(small_rotation), since(rotation_)),
          degrees(rotation_.value), degrees(small_rotation)});
   if (obstacle_turn_.value > small_rotation)
     found.push_back(

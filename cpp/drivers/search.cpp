@@ -62,8 +62,11 @@ public:
     } else {
       discretisation_ = std::make_shared<const problem::SpaceDiscretisation>(comm, scene, timers);
     }
-    if (scene.unknowns.empty())
+    if (scene.unknowns.empty()) {
+      if (!scene.measurements.empty())
+        console.line("warning: the measurements are not part of J, since the scene has no [[unknown]]");
       return;
+    }
     parameters_.emplace(discretisation_, scene, timers, control_ ? &*control_ : nullptr);
     if (!control_)
       console.line(fmt::format("fit of {} unknown{} to {} values of {} measurement{}", scene.unknowns.size(),
@@ -125,6 +128,7 @@ struct FitState {
     archive("objective", objective);
     archive("iteration", iteration.number);
     archive("damping", iteration.damping);
+    archive("scales", iteration.scales);
   }
 };
 
@@ -135,8 +139,8 @@ optimize::GaussNewtonIterate fit_start(const SearchSubject& subject, SearchLog& 
   const std::size_t count = start.x.size();
   FitState state{start, 0};
   restored = log.restore(state);
-  if (start.x.size() != count)
-    throw UserError("--resume: the checkpoint's \"x\" is damaged; use an undamaged checkpoint");
+  if (start.x.size() != count || (restored && start.scales.size() != count))
+    throw UserError("--resume: the checkpoint's unknowns are damaged; use an undamaged checkpoint");
   start.at = subject.reduced.least_squares(control::Variables(start.x));
   if (restored)
     log.restored(state.objective, start.at.value());

@@ -2,6 +2,7 @@
 #include "drivers/search_log.h"
 #include "base/collective.h"
 #include <cmath>
+#include <compare>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
@@ -12,17 +13,29 @@ namespace signorini::drivers {
 io::Kink describe(control::ReducedProblem& reduced,
                   const optimize::Certificate<control::Variables>& certificate) {
   const auto sweeps = reduced.sweeps();
-  using Where = std::tuple<std::size_t, int, int>;    // motion, step, candidate
-  using How = std::pair<bool, contact::Motion>;       // whether it touches, and its motion
+  using Where = std::tuple<std::size_t, int, int>; // motion, step, candidate
+  struct How {
+    bool touches = false;
+    contact::Motion motion = contact::Motion::free;
+    bool at_predictor = false; ///< whether the projection of the predictor holds it
+    auto operator<=>(const How&) const = default;
+  };
   std::map<Where, std::map<How, std::size_t>> closed; // number of points where it moves so
   for (const auto& point : certificate.points) {
     reduced.simulate(*point);
     const auto contact = reduced.trial_contact();
     const std::size_t steps = reduced.trial_trajectory().contact().size();
-    for (std::size_t n = 0; n < contact.size(); ++n)
-      for (std::size_t j = 0; j < contact[n].active.size() && n % steps > 0; ++j)
-        ++closed[{n / steps, static_cast<int>(n % steps), contact[n].active[j]}]
-                [{contact[n].closed(j), contact[n].motion(j)}];
+    for (std::size_t n = 0; n < contact.size(); ++n) {
+      if (n % steps == 0)
+        continue;
+      std::map<int, How> of_step;
+      for (std::size_t j = 0; j < contact[n].active.size(); ++j)
+        of_step[contact[n].active[j]] = {contact[n].closed(j), contact[n].motion(j)};
+      for (const int i : contact[n].predictor)
+        of_step[i].at_predictor = true;
+      for (const auto& [i, how] : of_step)
+        ++closed[{n / steps, static_cast<int>(n % steps), i}][how];
+    }
   }
   reduced.restore_sweeps(sweeps);
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()), {}};

@@ -90,11 +90,11 @@ void show(const io::Kink& kink, const SearchSubject& subject, double first_norm,
       kink.gradients, kink.radius, kink.length, kink.length / first_norm);
   text +=
       kink.weak.empty()
-          ? std::string("All these points have the same active sets; kinks of J lie nearer to the control, "
-                        "as they do where contact chatters")
-          : fmt::format(
-                "Active sets differ between these points at {} candidates and steps, where contact is weak:",
-                kink.weak.size());
+          ? std::string(
+                "At all these points the same candidates touch, but not nearer to the control: forces "
+                "chatter there")
+          : fmt::format("Between these points contact differs at {} candidates and steps, where it is weak:",
+                        kink.weak.size());
   console.line(text);
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)

@@ -169,8 +169,9 @@ std::string peak_line(const diagnostics::ProbePeak& one, const Body& body) {
   std::string line =
       fmt::format("probe \"{}\": peak {} {} (mean of two steps)", one.probe, one.quantity, text(one.mean));
   if (one.channel_class)
-    line += fmt::format(", with CFC {:.6g} {}{}", *one.channel_class, text(one.filtered),
-                        one.at_end ? ", so near to the end that it depends on what comes later" : "");
+    line += fmt::format(
+        ", with CFC {:.6g} {}{}", *one.channel_class, text(one.filtered),
+        one.at_end ? ", so near to the end that it depends on what comes later: set a later time.end" : "");
   return line;
 }
 

@@ -27,8 +27,8 @@ struct ScenarioResult {
 /// Text of scenarios.csv: one row for each scenario.
 std::string scenarios_table(const std::vector<ScenarioResult>& scenarios);
 
-/// A candidate that is weakly active in a step at a kink: in this step it is active at some points of
-/// optimize::Certificate and open at the others.
+/// A candidate that is weakly active in a step at a kink: in this step, or at its predictor, it is active at
+/// some points of optimize::Certificate and open at the others.
 struct WeakContact {
   int motion; ///< 0: of the scene itself; else number of the scenario among those that change it
   int step;

@@ -3,6 +3,7 @@
 #include "base/collective.h"
 #include "control/interpolation.h"
 #include "io/checkpoint.h"
+#include "io/csv_tables.h"
 #include "io/field_reader.h"
 #include "scene/compatibility.h"
 #include <algorithm>
@@ -24,22 +25,17 @@ constexpr double rounding = 1e-9; // of times, relative
 /// Value of J without the misfit and prior of a fit, from the last row of a checkpoint's history; nan if
 /// there is no row. Collective.
 double last_objective(CheckpointReader& checkpoint) {
-  if (checkpoint.has("history")) {
-    constexpr std::size_t columns = 11, objective = 1;
-    std::vector<double> history;
-    checkpoint("history", history);
-    return history.size() < columns ? std::nan("") : history[history.size() - columns + objective];
-  }
-  std::string rows; // rows of history.csv, of a joint search
-  checkpoint("rows", rows);
-  rows.erase(rows.find_last_not_of('\n') + 1);
-  std::istringstream row(rows.substr(rows.rfind('\n') + 1));
-  constexpr int tracking = 2, misfit = 5;
+  std::string columns;
+  checkpoint("columns", columns);
+  History history{.columns = History::split(columns), .numbers = {}};
+  checkpoint("history", history.numbers);
+  if (history.rows() == 0)
+    return std::nan("");
+  if (std::ranges::find(history.columns, "misfit") == history.columns.end())
+    return history.last("objective");
   double sum = 0;
-  std::string cell;
-  for (int column = 0; column < misfit && std::getline(row, cell, ','); ++column)
-    if (column >= tracking)
-      sum += std::strtod(cell.c_str(), nullptr);
+  for (const char* part : {"tracking", "terminal", "control_cost"})
+    sum += history.last(part);
   return sum;
 }
 

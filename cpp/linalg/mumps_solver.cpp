@@ -33,7 +33,8 @@ void MumpsSolver::analyse() {
 double MumpsSolver::estimate() const {
   PetscInt megabytes = 0;
   check(MatMumpsGetInfog(factor_, 17, &megabytes));
-  return megabyte * static_cast<double>(megabytes);
+  // MUMPS rounds to whole megabytes.
+  return std::max(megabyte * static_cast<double>(megabytes), sizeof(double) * work().entries);
 }
 
 FactorWork MumpsSolver::work() const {

@@ -37,10 +37,11 @@ struct Model {
     return free;
   }
 
-  /// Sets the entries of `d` marked in `free` to the model's minimiser for fixed values of the others. H's
-  /// diagonal is multiplied by 1 + damping. Entries of unknowns that the data do not determine are set to
+  /// Sets the entries of `d` marked in `free` to the model's minimiser for fixed values of the others.
+  /// `damping` (n) is added to H's diagonal. Entries of unknowns that the data do not determine are set to
   /// zero.
-  void minimise(const std::vector<bool>& free, double damping, std::vector<double>& d) const {
+  void minimise(const std::vector<bool>& free, const std::vector<double>& damping,
+                std::vector<double>& d) const {
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < n; ++i)
       if (free[i] && H[i * n + i] > 0)
@@ -63,7 +64,7 @@ struct Model {
     for (double slack = least_slack; !solved && slack < most_slack; slack *= growth) {
       std::vector<double> enlarged = K;
       for (std::size_t a = 0; a < which.size(); ++a)
-        enlarged[a * which.size() + a] *= 1 + damping + slack;
+        enlarged[a * which.size() + a] += damping[which[a]] + slack * H[which[a] * n + which[a]];
       solved = solve_dense(enlarged, b);
     }
     for (std::size_t a = 0; a < which.size(); ++a)
@@ -72,7 +73,8 @@ struct Model {
 
   /// Returns the step within bounds and step limits. Unknowns that would exceed these are fixed at them,
   /// round by round.
-  [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box, double damping) const {
+  [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box,
+                                         const std::vector<double>& damping) const {
     std::vector<double> d(n, 0.0);
     std::vector<bool> free = free_at(x, box);
     for (std::size_t round = 0; round <= n; ++round) {
@@ -93,7 +95,7 @@ struct Model {
 
   [[nodiscard]] double decrement(const std::vector<double>& x, const Box& box) const {
     std::vector<double> d(n, 0.0);
-    minimise(free_at(x, box), 0, d);
+    minimise(free_at(x, box), std::vector<double>(n, 0.0), d);
     const double squared = -dot(g, d);            // NaN stays NaN
     return squared <= 0 ? 0 : std::sqrt(squared); // −0 would show its sign
   }
@@ -133,6 +135,9 @@ gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const dou
   std::optional<double> stuck; // decrement before a step whose predicted decrease was rounding
   for (;; ++now.number) {
     const Model model(now.at);
+    now.scales.resize(model.n);
+    for (std::size_t i = 0; i < model.n; ++i)
+      now.scales[i] = std::max(now.scales[i], model.H[i * model.n + i]);
     now.decrement = model.decrement(now.x, box);
     options.agree({&now.decrement, 1});
     if (!report(now))
@@ -148,7 +153,11 @@ gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const dou
       return {Stop::iteration_limit, std::move(now)};
     bool failed = false;
     for (;;) {
-      std::vector<double> d = model.step(now.x, box, now.damping);
+      // Where a sensitivity almost vanishes, its present square would damp this unknown too little.
+      std::vector<double> damping = now.scales;
+      for (double& one : damping)
+        one *= now.damping;
+      std::vector<double> d = model.step(now.x, box, damping);
       options.agree(d);
       std::vector<double> x = now.x;
       for (std::size_t i = 0; i < x.size(); ++i)

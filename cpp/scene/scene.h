@@ -261,7 +261,9 @@ struct Trajectory {
 
 /// Table [check]: control at which the verb check takes derivatives, as expressions in x, y, z, t.
 struct Check {
-  std::optional<Components> control; ///< absent: near the reference control, else the first guess
+  /// Control at which to check, unless control.initial.run gives one; absent: near the reference control,
+  /// else the first guess.
+  std::optional<Components> control;
 };
 
 /// Table [run]: checks of discrete identities in every run; docs/method.md section 2.

@@ -720,7 +720,8 @@ Keys<Trajectory> keys_of(Of<Trajectory>) {
 Keys<Check> keys_of(Of<Check>) {
   return {
       required("control", &Check::control, ControlField{}, "",
-               "control at which `check` takes derivatives: expressions as in `control.initial`, but no run",
+               "control at which `check` takes derivatives: expressions as in `control.initial`, but no run; "
+               "the control of `control.initial.run`, if given, has priority",
                {.otherwise = "near the reference control; without one, the first guess"})};
 }
 

@@ -143,7 +143,9 @@ bool check_scene(problem::Problem& problem, const Console& console) {
   console.line(all ? (scene.contacts.empty() ? "All checks hold; contact was not checked."
                                              : "All checks hold, contact included.")
                    : "A check failed.");
-  if (all && !advice.empty())
+  if (all && !advice.empty() && scene.control->stored)
+    console.line("Kinks of J lie near to this control, as near most minima of contact problems.");
+  else if (all && !advice.empty())
     console.line(
         "But the derivatives hold only for changes of the control that are too small for a search: " +
         advice + ".");

@@ -15,7 +15,7 @@ namespace signorini::drivers {
 using petsc::check;
 
 CheckRow below(const std::string& name, double value, double limit) {
-  return {name, fmt::format("{:.2e}", value), "<= " + fmt::format("{:.0e}", limit), value <= limit};
+  return {name, fmt::format("{:.2e}", value), fmt::format("<= {:.2g}", limit), value <= limit};
 }
 
 namespace {
@@ -363,7 +363,13 @@ private:
       return;
     }
     const control::Control h = problem_.l2_hessian_product(d_);
-    const double size = controls_.norm(h), gradient = controls_.norm(problem_.l2_gradient());
+    // At an optimum the terms of the gradient α u + S*W(y - y_d) cancel, but not their rounding.
+    const control::ObjectiveDuals of_motion(problem_.objective(), problem_.trajectory(),
+                                            control::ObjectiveDuals::Order::second);
+    const double size = controls_.norm(h),
+                 terms = problem_.objective().alpha() * controls_.norm(u_) +
+                         controls_.norm(problem_.adjoint({controls_.space(), of_motion})),
+                 gradient = std::max(controls_.norm(problem_.l2_gradient()), terms / cancellation_);
     // While the active sets are unchanged, gradients are affine along d.
     settle(moved(kept_size_));
     control::Control off = problem_.l2_gradient();

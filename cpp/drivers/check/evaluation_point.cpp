@@ -30,6 +30,10 @@ control::Control wave(const control::ControlSpace& controls, int which) {
 control::Control evaluation_point(const problem::Problem& problem,
                                   const problem::ControlProblem& control_problem, std::string& description) {
   const scene::Scene& scene = problem.scene;
+  if (scene.control->stored) {
+    description = "the control of control.initial.run";
+    return control_problem.first_guess(scene);
+  }
   if (scene.check.control) {
     description = "the control of [check]";
     return control_problem.controls.interpolate(*scene.check.control, "check.control");
