@@ -77,10 +77,8 @@ TrialRun Refinement::begin() {
 
 TrialRun Refinement::tried(const Rung& rung) {
   TrialRun trial = trials_.run(rung);
+  latest_ = trial;
   const auto take = [&] {
-    constexpr double any_reach = 1e6; // of a rung that is not run
-    const double aimed = trial.error() > tolerance_ ? aim * tolerance_ : trial.error() / 2;
-    seconds_to_next_goal_ = trials_.seconds(towards(trial, aimed, any_reach));
     best_ = trial;
     trials_.conclude(trial, true);
   };
@@ -99,6 +97,14 @@ TrialRun Refinement::tried(const Rung& rung) {
   else
     trials_.conclude(trial, false);
   return trial;
+}
+
+double Refinement::seconds_to_next_goal() const {
+  constexpr double any_reach = 1e6; // of a rung that is not run
+  if (within())
+    return trials_.seconds(towards(*best_, best_->error() / 2, any_reach));
+  // An earlier rung may be best by chance; what follows comes after the latest one.
+  return latest_ ? trials_.seconds(towards(*latest_, aim * tolerance_, any_reach)) : 0;
 }
 
 void Refinement::run(bool economise) {

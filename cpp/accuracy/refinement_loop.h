@@ -112,7 +112,7 @@ public:
   [[nodiscard]] const std::string& stop_reason() const { return stop_reason_; }
   /// Predicted seconds of a run that meets the tolerance. If best() is already within the tolerance, it is a
   /// run with half the error of best().
-  [[nodiscard]] double seconds_to_next_goal() const { return seconds_to_next_goal_; }
+  [[nodiscard]] double seconds_to_next_goal() const;
   /// Seconds since the start of the refinement.
   [[nodiscard]] double seconds() const { return elapsed_.seconds(); }
 
@@ -131,9 +131,8 @@ private:
   const Elapsed& elapsed_;
   const Console& console_;
   SizeAndStep orders_;
-  std::optional<TrialRun> best_;
+  std::optional<TrialRun> best_, latest_;
   std::string stop_reason_;
-  double seconds_to_next_goal_ = 0;
 };
 
 /// Accuracy, budget and quantity that the command line requests.

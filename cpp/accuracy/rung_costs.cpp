@@ -17,18 +17,19 @@ public:
 
   /// Measures the times of the set-up and of one step of a rung.
   [[nodiscard]] CostModel::Timed time(const Rung& rung) const {
-    constexpr double enough = 0.5, patience = 1; // of the shortest run; s
-    constexpr int more = 4;
+    constexpr double part = 0.5, enough = 1, least = 2, most = 16; // of the shortest run; s; more steps
     // The first run in a program takes longer than the others.
     const auto [unknowns, first] = run(rung, 1);
     const double shortest = std::min(first, run(rung, 1).second);
-    double seconds = shortest;
+    const double wanted = std::min(part * shortest, enough); // for the steps alone
+    double of_steps = 0;
     int steps = 1;
-    while (steps < rung.steps && seconds < (1 + enough) * shortest && seconds < patience) {
-      steps = std::min(more * steps, rung.steps);
-      seconds = run(rung, steps).second;
+    while (steps < rung.steps && of_steps < wanted) {
+      const double more = of_steps > 0 ? std::clamp(1.5 * wanted / of_steps, least, most) : most;
+      steps = std::min(static_cast<int>(more * steps), rung.steps);
+      of_steps = run(rung, steps).second - shortest;
     }
-    const double step = steps > 1 ? std::max(0.0, seconds - shortest) / (steps - 1) : shortest;
+    const double step = steps > 1 ? std::max(0.0, of_steps) / (steps - 1) : shortest;
     return {unknowns, std::max(0.0, shortest - step), step};
   }
 

@@ -60,7 +60,8 @@ private:
 };
 
 /// Predicts the costs of a ladder from runs of few steps: for each degree on the ladder's coarsest mesh, and
-/// on a mesh with a few thousand unknowns. Each run computes enough steps to take half as long as the set-up.
+/// on a mesh with a few thousand unknowns. Each run computes enough steps to take half as long as the set-up,
+/// but at most a second or two.
 /// Steps of varying length are assumed to cost as much as steps of one length; their number is measured with
 /// the largest tolerance on the coarsest mesh. `estimate`: whether rungs include the error estimate of J.
 /// Throws UserError, SolverFailure, Interrupted. Collective.

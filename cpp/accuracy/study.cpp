@@ -150,7 +150,11 @@ public:
   /// Writes and prints the results.
   void conclude(const std::filesystem::path& out) const {
     if (ran_ + kept_ == 0) {
-      console_.line("no rung has run: nothing is written");
+      console_.line(
+          left_ ? fmt::format("no rung has run, since rung {} alone would take about {}, more than --budget: "
+                              "nothing is written",
+                              *left_ + 1, duration(price_->seconds(results_[*left_].rung)))
+                : std::string("no rung has run: nothing is written"));
       return;
     }
     on_root(comm_, [&] {
