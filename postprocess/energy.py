@@ -17,7 +17,7 @@ from .run_folder import RunFolder
 
 FRICTION_LOOKS = {"lost to friction so far": ("lost to friction", style.VERMILION, ":"),
                   "work of moving surfaces so far": ("moving surfaces", "#CC79A7", "--")}  # fmt: skip
-LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":"), "obstacles": (style.BLUE, (0, (5, 1)))}
+LOOKS = {"foundations": (style.SKY, (0, (3, 1, 1, 1))), "branches": (style.ORANGE, ":"), "obstacles": (style.GREEN, (0, (5, 1)))}
 
 
 def draw(run: RunFolder) -> list[Path]:
@@ -28,7 +28,7 @@ def draw(run: RunFolder) -> list[Path]:
     potential = potential_of_loads(steps)
     total = stored_energy(steps) + (0 if potential is None else potential)
     friction = works_of_friction(steps)
-    given = work_of_others(steps)
+    given = work_of_others(run)
     largest = max(total.max(), dissipated[-1], *(np.abs(work).max() for work in friction.values()))
     factor, unit = style.prefixed(largest, style.per_depth("J", run.whole))
 
@@ -45,7 +45,7 @@ def draw(run: RunFolder) -> list[Path]:
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")
     if given is not None:
-        axes.plot(times, given * factor, color="#CC79A7", linestyle="-.", label="by control and clamps so far")
+        axes.plot(times, given * factor, color="#CC79A7", linestyle=(0, (5, 1)), label="work of control and clamps so far")
     for name, work in friction.items():
         label, color, linestyle = FRICTION_LOOKS[name]
         axes.plot(times, work * factor, color=color, linestyle=linestyle, label=label)

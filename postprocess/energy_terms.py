@@ -2,8 +2,12 @@
 """The terms of the energy account over the steps of a run; J, or J/m in plane strain and plane stress."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .run_folder import RunFolder
 
 Columns = Mapping[str, np.ndarray]
 DISSIPATION = ("viscous_dissipation", "foundation_dissipation", "drag_dissipation", "relaxation_dissipation", "rigid_dissipation")
@@ -35,11 +39,13 @@ def works_of_friction(steps: Columns) -> dict[str, np.ndarray]:
     return {name: work for name, work in works.items() if np.abs(work).max() > ROUNDING * stored_energy(steps).max()}
 
 
-def work_of_others(steps: Columns) -> np.ndarray | None:
+def work_of_others(run: "RunFolder") -> np.ndarray | None:
     """Returns the work of a control and of moving clamps until every time step; None if rounding explains it or the run did not write it."""
-    if "load_work" not in steps:
+    steps, effects = run.steps, run.entry(lambda: run.manifest["effects"])
+    loads = any(effects.get(name) for name in ("body load", "gravity", "traction", "point force"))
+    if not (effects["control"] or effects["moving clamp"]) or (loads and "load_work" not in steps):
         return None
-    work = np.cumsum(steps["external_work"] - steps["load_work"])
+    work = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
     return work if np.abs(work).max() > ROUNDING * stored_energy(steps).max() else None
 
 

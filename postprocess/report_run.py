@@ -7,7 +7,7 @@ from . import report_contact, report_control, report_fit, report_friction, repor
 from .files import NotInRun, Table as Columns, whole_text
 from .report_impact import energy_account, impact
 from .report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
-from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, works_of_friction
+from .energy_terms import dissipated_so_far, further_energies, potential_of_loads, stored_energy, work_of_others, works_of_friction
 from .friction_force import has_friction
 from .run_folder import RunFolder
 
@@ -162,15 +162,15 @@ def energies(run: RunFolder) -> Chart:
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
               line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
     note = ""
-    looks = {"foundations": (style.SKY, "longdashdot"), "branches": (style.ORANGE, "dot"), "obstacles": (style.BLUE, "longdash")}
+    looks = {"foundations": (style.SKY, "longdashdot"), "branches": (style.ORANGE, "dot"), "obstacles": (style.GREEN, "longdash")}
     curves += [line(name, times, energy * factor, *looks[name]) for name, energy in further.items()]
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
         note = "The potential of the loads falls by the work of the loads; its least value is set to 0."
     parts = " + ".join(["kinetic", "elastic", *further, *["potential"] * (potential is not None)])
     curves.append(line(parts, times, whole_energy * factor, "black"))
-    other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
-    if np.abs(other).max() > 1e-12 * whole_energy.max() and run.entry(lambda: drives(run)):
+    other = work_of_others(run)
+    if other is not None:
         curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
     if dissipated[-1] > 0:
         curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILION, "dashdot"))
@@ -178,13 +178,6 @@ def energies(run: RunFolder) -> Chart:
     curves += [line(name, times, work * factor, *looks[name]) for name, work in friction.items()]
     view = figure(curves, title, f"energy ({unit})", yaxis=FROM_ZERO)
     return Chart.single("energies", "Energies over time", view, note)
-
-
-def drives(run: RunFolder) -> bool:
-    """Whether the run's files separate the work of a control or of moving clamps from that of loads."""
-    effects = run.manifest["effects"]
-    loads = any(effects.get(name) for name in ("body load", "gravity", "traction", "point force"))
-    return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not loads)
 
 
 def residuals(run: RunFolder) -> Chart:

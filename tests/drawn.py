@@ -641,7 +641,7 @@ def figures(run: Run) -> None:
     energy |= {"potential": work.max() - work, "sum of these": total} if work.any() else {"kinetic + elastic": total}
     energy |= {"dissipated so far": dissipated} if dissipated[-1] > 0 else {}
     given = np.cumsum(steps["external_work"] - steps["load_work"])
-    energy |= {"by control and clamps so far": given} if np.abs(given).max() > 1e-12 * total.max() else {}
+    energy |= {"work of control and clamps so far": given} if np.abs(given).max() > 1e-12 * total.max() else {}
     axes = curves("energy", {name: (times, factor * one) for name, one in energy.items()}, (title, f"energy ({unit})"))
     shaded(axes)
     names = [one["name"] for one in run.manifest["impact"]["obstacles"]]

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace signorini::accuracy {
 using petsc::check;
@@ -13,6 +14,8 @@ MotionQuantities::MotionQuantities(const problem::Problem& problem, const std::v
       contact_(problem.stepper) {
   if (has(wanted, "energy_loss"))
     weigh_.emplace(problem.stepper);
+  if (has(wanted, of_restitution))
+    restitution_.emplace(problem);
   if (has(wanted, "displacement"))
     displacement_.emplace(*samples, problem.space);
   if (has(wanted, "pressure"))
@@ -33,6 +36,8 @@ void MotionQuantities::operator()(const trajectory::Frame& frame) {
     contact_loss_ -= balance.contact_work - balance.friction_work - balance.belt_work;
   }
   contact_(frame);
+  if (restitution_)
+    restitution_->observe(frame);
   if (displacement_)
     displacement_->take_until(t, frame.last, [&](double at, Vec y) {
       // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
@@ -67,6 +72,9 @@ void MotionQuantities::report(Measured& measured) {
       measured.numbers[name] = value;
   if (pressure_)
     measured.numbers["pressure"] = pressure_error();
+  if (restitution_)
+    measured.numbers[of_restitution] =
+        restitution_->value().value_or(std::numeric_limits<double>::quiet_NaN());
   measured.warnings = warnings_.warnings();
   if (stress_) {
     measured.numbers[of_stress] = stress_->peak()->stress.largest.value;

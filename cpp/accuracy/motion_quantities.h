@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "accuracy/measure.h"
+#include "accuracy/restitution.h"
 #include "contact/pressure.h"
 #include "diagnostics/balance.h"
 #include "diagnostics/contact_forces.h"
@@ -68,6 +69,7 @@ private:
   const problem::Problem& problem_;
   const std::vector<Quantity>& wanted_;
   std::optional<diagnostics::Balance> weigh_; ///< for the loss of energy
+  std::optional<Restitution> restitution_;
   diagnostics::StepWarnings warnings_;
   diagnostics::ContactFigures contact_;
   std::optional<SampledField> displacement_;

@@ -52,6 +52,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
   if (scene.contacts.empty())
     return all;
   std::ranges::move(contact_quantities(scene, dim), std::back_inserter(all));
+  all.push_back({of_restitution, "coefficient of restitution", ""});
   const auto rests = [](const scene::Contact& contact) { return !scene::moves(contact); };
   if (std::ranges::all_of(scene.contacts, rests))
     all.push_back({"energy_loss", "energy lost in contact", "", false, true});
@@ -103,7 +104,8 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
     std::ranges::copy_if(all, std::back_inserter(wanted), [&](const Quantity& quantity) {
       using enum scene::StoredField;
       const bool stored = scene.output.field(stress) || scene.output.field(von_mises);
-      return quantity.name != "gradient" && (quantity.name != of_stress || stored);
+      return quantity.name != "gradient" && quantity.name != of_restitution &&
+             (quantity.name != of_stress || stored);
     });
   return wanted;
 }

@@ -66,6 +66,7 @@ struct Exact {
 };
 
 constexpr const char* of_stress = "largest_von_mises"; ///< name of the largest von Mises stress
+constexpr const char* of_restitution = "restitution";  ///< name of the coefficient of restitution
 
 /// Whether quantities include the one with this name.
 bool has(const std::vector<Quantity>& quantities, const std::string& name);

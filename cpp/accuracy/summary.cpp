@@ -9,6 +9,9 @@ namespace signorini::accuracy {
 
 namespace {
 
+/// Value of a quantity as text.
+std::string value_text(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "none"; }
+
 std::string shown(const std::optional<double>& error) {
   constexpr int digits = 3;
   return error ? percent(*error, digits) : "-";
@@ -160,7 +163,7 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
       continue;
     console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1,
                              size(results_[i]), step(results_[i]),
-                             quantity.field ? "" : fmt::format("{:.6g}", run->numbers.at(quantity.name)),
+                             quantity.field ? "" : value_text(run->numbers.at(quantity.name)),
                              errors.reference == i ? "reference" : shown(errors.error[i]),
                              shown(errors.envelope[i]), shown(errors.estimate[i]),
                              errors.effectivity[i] ? fmt::format("{:.2f}", *errors.effectivity[i]) : "-",

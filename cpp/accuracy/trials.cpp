@@ -191,6 +191,10 @@ private:
     const auto [found, missing] = measured_.try_emplace(rung);
     if (missing)
       found->second = measure(comm_, on_rung(scene_, rung), samples_, {quantity_}, false);
+    if (!quantity_.field && !std::isfinite(found->second.numbers.at(quantity_.name)))
+      throw UserError(fmt::format("--quantity: the motion with {} has no {}: the body must leave what it hit "
+                                  "before time.end",
+                                  words(rung), quantity_.title));
     return found->second;
   }
 

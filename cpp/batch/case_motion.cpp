@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/case_motion.h"
 #include "base/error.h"
-#include "batch/restitution.h"
 #include "diagnostics/plausibility.h"
 #include "diagnostics/warnings.h"
 #include "drivers/run_manifest.h"
 #include <algorithm>
-#include <limits>
 
 namespace signorini::batch {
 
@@ -14,12 +12,11 @@ std::vector<accuracy::Quantity> case_quantities(const scene::Scene& scene,
                                                 const std::vector<std::string>& names, int dim) {
   std::vector<accuracy::Quantity> all = accuracy::quantities(scene, dim);
   std::erase_if(all, &accuracy::Quantity::field);
-  if (!scene.contacts.empty())
-    all.push_back({Restitution::name, "coefficient of restitution", ""});
   if (!names.empty())
     return accuracy::named(all, names, "numbers");
   std::erase_if(all, [](const accuracy::Quantity& one) {
-    return one.name == "energy_loss" || one.name == accuracy::of_stress || one.name == Restitution::name;
+    return one.name == "energy_loss" || one.name == accuracy::of_stress ||
+           one.name == accuracy::of_restitution;
   });
   return all;
 }
@@ -108,9 +105,6 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
     recording.emplace(problem_, given_.acts(), *folder);
   accuracy::MotionQuantities quantities(problem_, wanted_, nullptr);
   ModelWarnings warnings(problem_);
-  std::optional<Restitution> restitution;
-  if (accuracy::has(wanted_, Restitution::name))
-    restitution.emplace(problem_);
   std::optional<problem::RunObjective> objective;
   if (scene_.objective && accuracy::has(wanted_, "J"))
     objective.emplace(problem_, given_);
@@ -120,8 +114,6 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
   accuracy::simulate(problem_, given_.load(), [&](const trajectory::Frame& frame) {
     quantities(frame);
     warnings.observe(frame);
-    if (restitution)
-      restitution->observe(frame);
     if (objective)
       objective->observe(frame);
     if (probes)
@@ -138,9 +130,6 @@ Outcome CaseMotion::motion(const std::filesystem::path* folder) {
   }
   if (recording)
     recording->publish(J);
-  if (restitution)
-    measured.numbers[Restitution::name] =
-        restitution->value().value_or(std::numeric_limits<double>::quiet_NaN());
   Outcome outcome{.steps = problem_.steps(), .warnings = warnings.by_kind(measured.warnings)};
   for (const accuracy::Quantity& one : wanted_)
     if (const auto found = measured.numbers.find(one.name); found != measured.numbers.end())

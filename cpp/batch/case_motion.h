@@ -53,8 +53,8 @@ private:
   std::vector<accuracy::Quantity> wanted_;
 };
 
-/// Quantities of a scene that cases can have: those of study that are numbers, and the restitution. `names`:
-/// the wanted ones; empty: all but the stress, energy_loss and restitution, which take two products a step.
+/// Quantities of a scene that cases can have: those of study that are numbers. `names`: the wanted ones;
+/// empty: all but the stress, energy_loss and restitution, which take two products a step.
 /// Throws UserError if a name is unknown or names a field.
 std::vector<accuracy::Quantity> case_quantities(const scene::Scene& scene,
                                                 const std::vector<std::string>& names, int dim);

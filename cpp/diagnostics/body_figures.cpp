@@ -103,20 +103,20 @@ void warn_of_normals(const step::Stepper& stepper, const scene::Scene& scene,
 }
 
 /// Adds a warning if a slender clamped body has few elements of degree 1 across: with four elements it is ten
-/// per cent too stiff in bending.
+/// per cent too stiff in bending, with fewer by a factor that depends on their shapes.
 void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
                      std::vector<std::string>& warnings) {
-  constexpr double slender = 4, enough = 6, percent_at_four = 10;
+  constexpr double slender = 4, enough = 6;
   const std::span extent(figures.extent.data(), static_cast<std::size_t>(figures.dim));
   const auto [least, greatest] = std::ranges::minmax(extent);
   if (stepper.space().degree() > 1 || scene.clamps.empty() || !stepper.pairs() || greatest < slender * least)
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)
-    warnings.push_back(fmt::format("the slender clamped body has {:.2g} elements of degree 1 across its "
-                                   "thickness, which make it about {:.2g} % too stiff in bending; set "
-                                   "mesh.degree = 2",
-                                   across, percent_at_four * 16 / (across * across)));
+    warnings.push_back(
+        fmt::format("the slender clamped body, {:.3g} m thick, has elements of degree 1 of {:.3g} m on "
+                    "average and is several per cent or more too stiff in bending; set mesh.degree = 2",
+                    least, least / across));
 }
 
 } // namespace

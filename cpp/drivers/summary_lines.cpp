@@ -42,7 +42,9 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
   const std::array<double, 3>& J = touch.impulse;
   return fmt::format(
       "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two-step means {:.4g}{} {} at {:.6g} s{}\n"
-      "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {} (largest mean over {:.3g} s)",
+      "    1 to 99 % of the impulse within {:.4g} s, sustained peak of normal forces {:.4g} {} (largest mean "
+      "over "
+      "{:.3g} s)",
       name, touch.start, touch.end, closed, components(J, body.dim),
       by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), "N s" + body.per_depth, touch.peak,
       by_modulus(touch.peak, touch.normal_peak), "N" + body.per_depth, touch.peak_time,
@@ -65,11 +67,11 @@ std::string bounce_line(const diagnostics::Impact& impact, std::size_t number, c
   const diagnostics::Rebound& one = impact.bounces[number];
   const std::size_t of = impact.bounces.size();
   const bool ended = number + 1 < of || impact.ended;
-  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}",
-                     number + 1, of, one.start, one.end,
-                     one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
-                     components(one.impulse, body.dim), "N s" + body.per_depth, one.peak,
-                     "N" + body.per_depth, velocities(one, ended, impact, body.dim));
+  return fmt::format(
+      "  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak of normal forces {:.4g} {}; {}",
+      number + 1, of, one.start, one.end, one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
+      components(one.impulse, body.dim), "N s" + body.per_depth, one.peak, "N" + body.per_depth,
+      velocities(one, ended, impact, body.dim));
 }
 
 /// Adds a line for each of the first five bounces, if there are several bounces.
@@ -105,6 +107,10 @@ void add_impact(const diagnostics::Impact& impact, const Body& body, std::vector
   lines.push_back("  velocity of the centre of mass" + (impact.body.empty() ? "" : " of " + impact.body) +
                   ": " + velocities(impact.whole, impact.ended, impact, body.dim) + over_all(impact) +
                   (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
+  if (impact.whole.obstacle_before && impact.whole.obstacle_after)
+    lines.push_back(fmt::format("  velocity of {}: {} m/s before, {} m/s after", impact.other,
+                                components(*impact.whole.obstacle_before, body.dim),
+                                components(*impact.whole.obstacle_after, body.dim)));
   for (const diagnostics::BodyImpact& one : impact.bodies)
     lines.push_back(fmt::format("  {}: {:.4g} kg{}, velocity {} m/s at the start, {} m/s at the end",
                                 one.name, one.mass, body.per_depth, components(one.at_start, body.dim),

@@ -199,6 +199,13 @@ def test_restitution(tmp_path: Path) -> None:
         assert alone.returncode == 0, alone.stderr
         expected = json.loads((tmp_path / "alone" / "run.json").read_text())["impact"]["restitution"]
         assert 0.1 < expected < 1 and float(row["restitution"]) == pytest.approx(expected, rel=1e-9)
+    study = captured([str(SIGNORINI), "study", str(DISC), *changes(*sets[1::2], "initial.velocity=[0, -6]"), "--sizes", "4", "--steps", "0.02",
+                      "--quantity", "restitution", "--out", str(tmp_path / "study")])  # fmt: skip
+    assert study.returncode == 0, study.stderr
+    assert float(table(tmp_path / "study" / "study.csv")["restitution"][0]) == pytest.approx(float(found[1]["restitution"]), rel=1e-9)
+    refused = captured([str(SIGNORINI), "simulate", str(DISC), *changes(*sets[1::2], "initial.velocity=[0, 1]"), "--accuracy", "0.1",
+                        "--quantity", "restitution", "--out", str(tmp_path / "none")])  # fmt: skip
+    assert refused.returncode == 2 and "has no coefficient of restitution: the body must leave what it hit before time.end" in refused.stderr
 
 
 def table_of(folder: Path) -> list[dict[str, str]]:

@@ -205,7 +205,7 @@ def test_lines_of_obstacles_that_are_not_touched(run: SceneRun) -> None:
 def test_lines_of_sustained_peaks(run: SceneRun) -> None:
     for duration, peak, window in {(one["impulse_duration"], one["sustained_peak"], one["sustained_over"]) for one in touched(run)}:
         within = f"{duration:.4g}".replace(".", r"\.")
-        text = f"    1 to 99 % of the impulse within {within} s, sustained peak {{}} N{per_depth(run)} (largest mean over {{}} s)"
+        text = f"    1 to 99 % of the impulse within {within} s, sustained peak of normal forces {{}} N{per_depth(run)} (largest mean over {{}} s)"
         printed(run, text, peak, window, digits=(4, 3))
 
 
@@ -237,7 +237,7 @@ def test_lines_of_bounces(run: SceneRun) -> None:
     for number, one in enumerate(bounces if len(bounces) > 1 else [], 1):
         touches = f" in {one['touches']} touches" if one["touches"] > 1 else ""
         ended = "after" if number < len(bounces) or run.manifest["impact"]["ended"] else "at the end, still in contact"
-        text = (f"  bounce {number} of {len(bounces)}: from {{}} to {{}} s{touches}, impulse {vector(run)} N s{per}, peak {{}} N{per}; "
+        text = (f"  bounce {number} of {len(bounces)}: from {{}} to {{}} s{touches}, impulse {vector(run)} N s{per}, peak of normal forces {{}} N{per}; "
                 f"{vector(run)} m/s before, {vector(run)} m/s {ended}")  # fmt: skip
         values = [one["start"], one["end"], *one["impulse"], one["peak"], *one["velocity_before"], *one["velocity_after"]]
         if one["restitution"] is not None:

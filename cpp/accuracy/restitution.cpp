@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "batch/restitution.h"
+#include "accuracy/restitution.h"
 
-namespace signorini::batch {
+namespace signorini::accuracy {
 
 Restitution::Restitution(const problem::Problem& problem)
     : balance_(problem.stepper, diagnostics::Balance::Wanted{false, false, problem.scene_loads()}),
@@ -24,4 +24,4 @@ std::optional<double> Restitution::value() const {
   return impact ? impact->whole.restitution : std::nullopt;
 }
 
-} // namespace signorini::batch
+} // namespace signorini::accuracy

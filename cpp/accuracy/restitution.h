@@ -4,13 +4,11 @@
 #include "problem/problem.h"
 #include <optional>
 
-namespace signorini::batch {
+namespace signorini::accuracy {
 
 /// Computes the coefficient of restitution of a motion, as simulate stores it in run.json.
 class Restitution {
 public:
-  static constexpr const char* name = "restitution"; ///< name of the quantity
-
   /// The problem must have contact and outlive this object. Collective.
   explicit Restitution(const problem::Problem& problem);
 
@@ -27,4 +25,4 @@ private:
   std::optional<diagnostics::ImpactSummary> summary_;
 };
 
-} // namespace signorini::batch
+} // namespace signorini::accuracy
