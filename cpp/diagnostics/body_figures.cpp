@@ -113,10 +113,10 @@ void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, co
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)
-    warnings.push_back(
-        fmt::format("the slender clamped body, {:.3g} m thick, has elements of degree 1 of {:.3g} m on "
-                    "average and is several per cent or more too stiff in bending; set mesh.degree = 2",
-                    least, least / across));
+    warnings.push_back(fmt::format(
+        "elements of degree 1, of {:.3g} m on average, make the slender clamped body, {:.3g} m thick, too "
+        "stiff in bending; set mesh.degree = 2",
+        least / across, least));
 }
 
 } // namespace
