@@ -81,6 +81,16 @@ TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, 
   }
 }
 
+TEST_CASE("an empty value of --set removes a key or a table", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  const auto echo = [&](const std::vector<std::string>& overrides) {
+    return scene::echo(test::parse(file, overrides), 2);
+  };
+  CHECK(echo({"check.control=[\"0\", \"1\"]", "check="}) == echo({}));
+  CHECK(echo({"contact.friction=0.3", "contact.friction="}) == echo({}));
+  CHECK(echo({"contact.friction=0.3"}) != echo({}));
+}
+
 TEST_CASE("the table of keys says what poses the problem", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const auto echo = [&](const std::vector<std::string>& overrides) {

@@ -13,6 +13,7 @@ def option_cases() -> list[Case]:
     optimizer = "[optimizer]\nmax_iterations = 1\ntolerance = 1e-6\n\n"
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
+        overridden("removal of nothing", "time.tolerance=", "--set time.tolerance=: ", "has no such key; an empty value removes a key"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
         overridden("set of an unknown key", "material.yong=1e8", "--set material.yong: unknown", 'did you mean "young"?'),
         overridden("set of an unknown table", "materail.young=1e8", "--set materail: unknown", 'did you mean "material"?'),
