@@ -109,6 +109,21 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
         ->expected(1)
         ->allow_extra_args(false) // the scene may follow
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->check([](const std::string& text) {
+          return text.ends_with('=')
+                     ? fmt::format("found no value in \"{}\"; to remove a key use --unset", text)
+                     : std::string();
+        });
+    sub->add_option_function<std::vector<std::string>>(
+           "--unset",
+           [&request](const std::vector<std::string>& keys) {
+             for (const std::string& key : keys) // before --set, whose values are not empty
+               request.overrides.insert(request.overrides.begin(), key + "=");
+           },
+           "key.path, removes a key or table of the scene before --set; may be repeated")
+        ->expected(1)
+        ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_option("--threads", request.threads,
                     "threads of each rank (default: OMP_NUM_THREADS, else cores divided by ranks)")

@@ -26,7 +26,8 @@ std::string read(const std::filesystem::path& file) {
 namespace {
 
 /// Applies an argument `key.path=value` of --set to a scene's table. A value that is not TOML is taken as a
-/// text; an empty one removes the key. `file`: path of the scene, for messages. Throws UserError.
+/// text; an empty one, which --unset gives, removes the key. `file`: path of the scene, for messages. Throws
+/// UserError.
 void override_key(toml::table& root, const std::string& assignment, const std::filesystem::path& file) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -82,8 +83,7 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
   if (!value.empty())
     table->insert_or_assign(key, *parsed.get("value"));
   else if (table->erase(key) == 0)
-    throw UserError(
-        fmt::format("--set {}: {} has no such key; an empty value removes a key", assignment, file.string()));
+    throw UserError(fmt::format("--unset {}: {} has no such key; name one that it has", path, file.string()));
 }
 
 /// Reads all tables of a scene.

@@ -81,7 +81,7 @@ TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, 
   }
 }
 
-TEST_CASE("an empty value of --set removes a key or a table", "[scene]") {
+TEST_CASE("an override without a value, as --unset gives it, removes a key or a table", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const auto echo = [&](const std::vector<std::string>& overrides) {
     return scene::echo(test::parse(file, overrides), 2);

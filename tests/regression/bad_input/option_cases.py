@@ -13,7 +13,7 @@ def option_cases() -> list[Case]:
     optimizer = "[optimizer]\nmax_iterations = 1\ntolerance = 1e-6\n\n"
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
-        overridden("removal of nothing", "time.tolerance=", "--set time.tolerance=: ", "has no such key; an empty value removes a key"),
+        typed("removal of nothing", "check scene.toml --unset time.tolerance", "--unset time.tolerance: ", "has no such key"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
         overridden("set of an unknown key", "material.yong=1e8", "--set material.yong: unknown", 'did you mean "young"?'),
         overridden("set of an unknown table", "materail.young=1e8", "--set materail: unknown", 'did you mean "material"?'),
@@ -28,7 +28,7 @@ def option_cases() -> list[Case]:
                    never=("tables", "body.0.on")),
         overridden("set below a value", "material.young.x=1", "--set material.young.x=1", '"young" is not a table'),
         overridden("set of the wrong type", "material.young=soft", "--set material.young: found", "soft", "a number"),
-        overridden("set to nothing", "material.young=", "material.young: found", "a number"),
+        overridden("set to nothing", "material.young=", 'found no value in "material.young="', "--unset"),
         overridden("set out of range", "material.poisson=0.7", "material.poisson: found 0.7", "less than 0.5"),
         overridden("set out of range, two ranks", "material.poisson=0.7", "--set material.poisson: found 0.7", ranks=2),
         overridden("set of a key of a table of its own", "exact={impulse = 0}", "--set exact.impulse: found 0"),
