@@ -32,22 +32,29 @@ std::array<bool, 3> free_components(const step::Stepper& stepper) {
 
 } // namespace
 
-std::optional<ImpactSummary::Two> ImpactSummary::two_bodies(const scene::Contact& contact,
-                                                            const Bodies& bodies) {
+std::optional<ImpactSummary::Two>
+ImpactSummary::two_bodies(const step::Stepper& stepper, const scene::Contact& contact, const Bodies& bodies) {
   Two two{.body = bodies.of_group(contact.on, "contact.on"),
           .other = bodies.of_group(*contact.against, "contact.against"),
           .fixed = false,
           .side = 1};
   if (two.body < 0 || two.other < 0 || two.body == two.other)
     return std::nullopt;
-  const auto held = [&](int body) {
-    return std::ranges::any_of(bodies.all()[static_cast<std::size_t>(body)].clamped, std::identity());
+  const auto clamped = [&](int body, std::size_t c) {
+    return bodies.all()[static_cast<std::size_t>(body)].clamped[c];
   };
-  if (held(two.body) && !held(two.other)) {
+  // Clamps of both, as at a symmetry plane, and of the axis hold no body against the other one.
+  const auto held = [&](int body, int other) {
+    for (std::size_t c = 0; c < static_cast<std::size_t>(stepper.space().dim()); ++c)
+      if (stepper.space().translates(c) && clamped(body, c) && !clamped(other, c))
+        return true;
+    return false;
+  };
+  if (held(two.body, two.other) && !held(two.other, two.body)) {
     std::swap(two.body, two.other);
     two.side = -1;
   }
-  two.fixed = held(two.other);
+  two.fixed = held(two.other, two.body);
   return two;
 }
 
@@ -64,7 +71,7 @@ ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& s
   if (scene.contacts.size() == 1 && scene.contacts.front().rigid && flies(*scene.contacts.front().rigid))
     flies_ = stepper.pairs()->rigid(0);
   if (bodies && scene.contacts.size() == 1)
-    two_ = two_bodies(scene.contacts.front(), *bodies);
+    two_ = two_bodies(stepper, scene.contacts.front(), *bodies);
   if (two_) {
     const Bodies::Body& body = bodies->all()[static_cast<std::size_t>(two_->body)];
     impact_.mass = body.mass;
@@ -223,6 +230,12 @@ std::optional<Impact> ImpactSummary::impact() const {
   for (std::size_t i = 0; i < impact.obstacles.size(); ++i)
     sum_up(records_[i], impact.obstacles[i]);
   sum_up(records_.back(), impact.all);
+  // In the first half of a contact: of two bodies the longer one may be crossed after the end.
+  const auto late = [](const Touch& touch) { return 2 * touch.peak_time > touch.start + touch.end; };
+  if (touches_.size() == 1)
+    for (Touch* touch : {&impact.all, impact.obstacles.size() == 1 ? &impact.obstacles.front() : nullptr})
+      if (touch && late(*touch))
+        touch->peak_at_onset = false;
   impact.ended = open_steps_ >= least_open;
   impact.no_restitution = no_restitution_reason();
   for (std::size_t i = 0; i < impact.bodies.size(); ++i)

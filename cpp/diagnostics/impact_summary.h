@@ -170,7 +170,8 @@ private:
     double side;     ///< factor of forces on contact.on in forces on the body, ±1
   };
   /// Returns the two bodies of the contact; nothing if a group is on several bodies. Collective.
-  [[nodiscard]] static std::optional<Two> two_bodies(const scene::Contact& contact, const Bodies& bodies);
+  [[nodiscard]] static std::optional<Two> two_bodies(const step::Stepper& stepper,
+                                                     const scene::Contact& contact, const Bodies& bodies);
   /// Returns the momentum of the body, kg m/s, and the velocity of the obstacle or of the other body, m/s.
   [[nodiscard]] std::array<double, 3> body_momentum(const StepBalance& balance) const;
   [[nodiscard]] Velocity velocity_of_other(const trajectory::Frame& frame) const;

@@ -224,17 +224,18 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   const auto moves = [](const scene::Contact& one) { return scene::moves(one); };
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
-  const std::string massless = scene.rigid() ? "" : "; with contact.mass = \"massless\" shorter steps do too";
+  const std::string massless =
+      scene.rigid() || stepper.predictor() ? "" : "; with contact.mass = \"massless\" shorter steps do too";
   const bool short_already = !scene.time.automatic() && scene.time.step <= stepper.wave_time();
   const std::string remedy =
       short_already
-          ? "Steps are shorter than the time in which a wave crosses an element in contact, so that only "
-            "smaller elements reduce this error" +
+          ? "Steps are shorter than the time in which a wave crosses an element in contact: smaller elements "
+            "reduce this error most" +
                 massless
           : fmt::format(
                 "Shorter steps ({}) reduce this error until a step takes {:.1e} s, the time in which a "
-                "wave crosses an element in contact. Below that length only smaller elements reduce "
-                "the error{}",
+                "wave crosses an element in contact. Below that length smaller elements reduce "
+                "the error more{}",
                 scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time(), massless);
   return {{"energy lost in contact",
            fmt::format("contact removed {:.2g} of the largest energy of the motion, {:.3g} J{}, though the "

@@ -3,7 +3,7 @@
 
 usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N …] [--sizes H …] [--repeats N] [--set KEY=VALUE] [--json FILE]
 
-  c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 3 minutes)
+  c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 5 minutes)
   scaling  the half disc from 1 m to 1/32 m, time step in proportion, contact from the start (about 10 minutes)
   space    the half ball by conjugate gradients, from 20,000 to 400,000 unknowns, 100 steps (about half an hour)
   effects  the half disc with one effect after another: what each adds (about six minutes)

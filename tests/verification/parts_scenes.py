@@ -47,6 +47,17 @@ def test_cradle(tmp_path: Path) -> None:
     keeps_its_laws(tmp_path)
 
 
+def test_restitution_depends_on_no_frame_and_order(tmp_path: Path) -> None:
+    """Guides across the impact, as symmetry planes and the axis are, hold no body against the other one."""
+    guides = [{"on": end, "components": ["y"]} for end in ("left end", "right end")]
+    found = []
+    for on, against, shift in (("left end", "right end", 0), ("right end", "left end", 0), ("left end", "right end", 3)):
+        signorini("simulate", SCENES / "two-bars.toml", tmp_path, contact__on=on, contact__against=against, clamp=guides,
+                  initial__velocity=[f"x < 0.005 ? {5 + shift} : {-5 + shift}", "0"])  # fmt: skip
+        found.append(manifest(tmp_path)["impact"]["restitution"])
+    assert 0.95 < found[0] < 1 and found[1:] == pytest.approx([found[0]] * 2, rel=1e-3)
+
+
 def test_two_discs(tmp_path: Path) -> None:
     """They exchange their velocities along the normal; friction moves the right one along it, with opposite impulses."""
     signorini("simulate", SCENES / "two-discs.toml", tmp_path)

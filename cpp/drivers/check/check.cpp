@@ -125,8 +125,8 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     std::string where;
     const control::Control u = evaluation_point(problem, control_problem, where);
     console.line(fmt::format("Derivatives are checked at {}.", where));
-    advice =
-        check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
+    advice = check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(),
+                               scene.control->stored.has_value(), console, rows);
     invariants(problem, control_problem.reduced.load(), rows);
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");
@@ -143,9 +143,7 @@ bool check_scene(problem::Problem& problem, const Console& console) {
   console.line(all ? (scene.contacts.empty() ? "All checks hold; contact was not checked."
                                              : "All checks hold, contact included.")
                    : "A check failed.");
-  if (all && !advice.empty() && scene.control->stored)
-    console.line("Kinks of J lie near to this control, as near most minima of contact problems.");
-  else if (all && !advice.empty())
+  if (all && !advice.empty())
     console.line(
         "But the derivatives hold only for changes of the control that are too small for a search: " +
         advice + ".");

@@ -37,6 +37,7 @@ public:
       if (size * lengths_[j] > 0)
         worst = std::max(worst, std::abs(by_x_[j] - g[j]) / (size * lengths_[j]));
     }
+    measure_noise(linearised);
     rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
     std::size_t weak = 0;
     for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
@@ -61,7 +62,30 @@ private:
   /// about ten.
   [[nodiscard]] double sweeps_leave() const {
     constexpr double forces = 10;
-    return forces * std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_;
+    return forces *
+           std::max(std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_, relative_noise_);
+  }
+
+  /// Measures the rounding of residuals by changes of the unknowns that are too small for an effect of their
+  /// own: each motion has its own factor, and stiff materials lose more digits.
+  void measure_noise(const optimize::LeastSquares& here) {
+    constexpr double tiny = 1e-13; // of the unit of an unknown
+    const std::size_t m = here.residuals.size();
+    for (std::size_t j = 0; j < x_.size(); ++j)
+      for (const double change : {tiny * unit(j), -tiny * unit(j)})
+        if (const std::optional<Trial> trial = at(j, change)) {
+          double off = 0;
+          for (std::size_t k = 0; k < m; ++k)
+            off =
+                std::hypot(off, trial->residuals[k] - here.residuals[k] - change * here.jacobian[j * m + k]);
+          noise_ = std::max(noise_, off);
+        }
+    double data = 0;
+    for (const control::Data& one : problem_.misfit.data())
+      for (std::size_t k = 0; k < one.values.size(); ++k)
+        data = std::hypot(data, one.values[k] / one.deviations[k]);
+    const double size = std::sqrt(2 * here_) + data;
+    relative_noise_ = size > 0 ? noise_ / size : 0;
   }
 
   /// Change of unknown j that changes the simulated values by about as much as they differ from the data.
@@ -113,7 +137,8 @@ private:
                 std::vector<CheckRow>& rows) const {
     const std::string name =
         fmt::format("d(values)/d({}) against differences", problem_.scene.unknowns[j].name);
-    double least = std::numeric_limits<double>::infinity();
+    constexpr double differences = 1e-6, useful = 1e-4; // of second order; limits
+    double least = std::numeric_limits<double>::infinity(), admitted = differences;
     for (int i = 0; i < 8; ++i) {
       const double epsilon = unit(j) * std::pow(10, -3.5 - 0.5 * i);
       const Changes changed = changes(j, epsilon);
@@ -123,20 +148,26 @@ private:
       double off = 0;
       for (std::size_t k = 0; k < column.size(); ++k)
         off = std::hypot(off, changed.slope(here[k], first->residuals[k], second->residuals[k]) - column[k]);
-      least = std::min(least, lengths_[j] > 0 ? off / lengths_[j] : off);
+      const double relative = lengths_[j] > 0 ? off / lengths_[j] : off;
+      if (relative < least) {
+        constexpr double clear = 3;
+        const double rounding = lengths_[j] > 0 ? clear * noise_ / (epsilon * lengths_[j]) : 0;
+        least = relative, admitted = std::clamp(rounding, differences, useful);
+      }
       if (constexpr double clear = 1e-7; least < clear)
         break;
     }
-    constexpr double differences = 1e-6; // of second order, and rounding over the size
-    rows.push_back(std::isfinite(least) ? below(name, least, differences)
+    rows.push_back(std::isfinite(least) ? below(name, least, admitted)
                                         : CheckRow{name, "active sets change for every difference tried",
                                                    "one with unchanged sets", false});
   }
 
   void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
     constexpr double clear = 200; // J's rounding is more than an evaluation's: each has a factor of its own
+    constexpr double noisy = 20;  // as much, of the noise that was measured
     const std::string& name = problem_.scene.unknowns[j].name;
-    const double floor = clear * rounding_ * std::max(here_, 1e-6);
+    const double of_noise = std::sqrt(2 * here_) * noise_,
+                 floor = std::max(clear * rounding_ * std::max(here_, 1e-6), noisy * of_noise);
     std::vector<std::pair<double, double>> usable;
     double widest = 0;
     for (int i = 0; i < 14; ++i) {
@@ -164,14 +195,20 @@ private:
           {against, "active sets change for every difference tried", "one with unchanged sets", false});
       return;
     }
-    const Changes changed = changes(j, widest);
-    const std::optional<Trial> first = at(j, changed.p), second = at(j, changed.q);
+    Changes changed = changes(j, widest);
+    std::optional<Trial> first = at(j, changed.p), second = at(j, changed.q);
+    for (int i = 0; i < 6 && !(first && first->kept && second && second->kept); ++i) {
+      widest /= std::sqrt(10);
+      changed = changes(j, widest);
+      first = at(j, changed.p), second = at(j, changed.q);
+    }
     if (!first || !second || !first->kept || !second->kept) {
       rows.push_back({against, "active sets change for the other difference",
                       "unchanged sets in both differences", false});
       return;
     }
-    const double slope = changed.slope(here_, first->value, second->value), lost = rounding_ * here_ / widest,
+    const double slope = changed.slope(here_, first->value, second->value),
+                 lost = std::max(rounding_ * here_, of_noise / 10) / widest,
                  size = std::max(std::abs(slope), std::abs(by_x_[j]));
     rows.push_back(
         size > 0 ? below(against, std::abs(slope - by_x_[j]) / size, std::max(1e-6, clear * lost / size))
@@ -186,6 +223,8 @@ private:
   std::vector<double> by_x_;    ///< dJ/dx
   double rounding_;             ///< relative rounding error of J
   std::vector<double> lengths_; ///< norms of the Jacobian's columns
+  double noise_ = 0;            ///< rounding of the residuals, as measured (norm)
+  double relative_noise_ = 0;   ///< the same, relative to the norm of the simulated values
 };
 
 } // namespace
