@@ -632,7 +632,8 @@ Keys<Unknown> keys_of(Of<Unknown>) {
       value("upper", &Unknown::upper, Number{}, "", "upper bound of the unknown",
             {.otherwise = "natural limit of the parameter; with `\"log\"` 6.7e7 times `start`"}),
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
-            "scale on which the parameter is fitted; with `\"log\"` its standard deviation is relative",
+            "scale on which the parameter is fitted; with `\"log\"` steps and the deviation of a prior are "
+            "relative",
             {.otherwise =
                  "`\"log\"` for moduli, viscosities, Rayleigh coefficients, relaxation times, densities, "
                  "foundations, friction and obstacles with mass but for velocities; else `\"linear\"`"}),
