@@ -16,7 +16,7 @@ BEGIN, END = "<!-- python: docs/python_reference.py writes this -->\n", "<!-- en
 SECTIONS = {
     "The module": [("__init__", ...), ("program", "versions")],
     "Scenes": [("scene", "Scene")],
-    "Control problems": [("problem", ...), ("problem", "Problem"), ("problem", "Metric"), ("problem", "Replicated"), ("problem", "Sweeps"), ("problem", "Parts")],
+    "Control problems": [("problem", ...), ("problem", "Problem"), ("problem", "Metric"), ("problem", "Replicated"), ("problem", "Sweeps"), ("problem", "Parts"), ("problem", "Batch")],
     "Fits": [("fit", "Fit")],
     "PyTorch and JAX": [("torch", "function"), ("jax", "function")],
     "Runs": [("run", "read"), ("run", "Run"), ("run", "Field")],

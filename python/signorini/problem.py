@@ -19,6 +19,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _signorini
 from .world import RANK, RANKS, WORLD, of_all
@@ -177,10 +178,14 @@ class Problem:
         """Returns only the derivative of J that value_and_gradient() returns. (intervals × values)"""
         return self.value_and_gradient(u)[1]
 
-    def batch(self, controls: np.ndarray, gradients: bool = False) -> Batch:
+    def batch(self, controls: npt.ArrayLike, gradients: bool = False) -> Batch:
         """Returns J of several controls (controls × intervals × values) and, if `gradients`, its derivatives. Up to 16 motions make
         their steps together, which takes a fraction of their time one by one. On one rank a result does not depend on the other
-        controls. It differs by rounding from those of value() and value_and_gradient(), whose cached motions stay."""
+        controls. It differs by rounding from those of value() and value_and_gradient(), whose cached motions stay. Raises ValueError
+        unless each control has the shape `shape`."""
+        controls = np.ascontiguousarray(controls, dtype=float)
+        if controls.shape[1:] != self.shape:
+            raise ValueError(f"found controls of shape {controls.shape}; expected (controls, {', '.join(map(str, self.shape))})")
         return Batch(*self._problem.batch(controls, gradients))
 
     def representative(self, u: np.ndarray) -> np.ndarray:

@@ -58,6 +58,9 @@ def test_batch(problem: signorini.Problem, u: np.ndarray) -> None:
     if signorini.ranks == 1:  # solves on several ranks round differently each time
         assert (few.values == found.values[[17, 4]]).all() and (few.gradients == found.gradients[[17, 4]]).all()
     assert problem.batch(many[:1]).gradients is None and problem.batch(many[:0]).values.shape == (0,)
+    assert problem.batch(list(many[:2])).values == pytest.approx(problem.batch(many[:2]).values, rel=1e-12)
+    with pytest.raises(ValueError, match=r"expected \(controls, "):
+        problem.batch(u)
     if signorini.ranks == 1:
         assert problem.sweeps == sweeps, "motions that are made together are none of the problem's own sweeps"
     for i in (0, 4, 17):
