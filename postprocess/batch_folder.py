@@ -124,8 +124,19 @@ class BatchFolder:
 
     @cached_property
     def keys(self) -> dict[str, list[Axis]]:
-        """Axes of each key: one, or of vectors one for each component that varies; none where the key has one value in all cases."""
-        return {key: axes_of(key, [case.keys[i] for case in self.cases]) for i, key in enumerate(self.manifest["keys"])}
+        """Axes of each key: one, or of vectors one for each component that varies; none where the key has one value in all cases. In an
+        empty cell the scene's own value holds."""
+        return {key: axes_of(key, [case.keys[i] for case in self.cases], self.own(key)) for i, key in enumerate(self.manifest["keys"])}
+
+    def own(self, key: str) -> dict[str, float | str]:
+        """Value of a key in the scene, as entries_of(), which holds where a cell is empty; empty if scene.toml has none."""
+        try:
+            value = tomllib.loads(whole_text(self.path / "scene.toml"))
+            for part in key.split("."):
+                value = value[int(part)] if isinstance(value, list) else value[part]
+        except (OSError, ValueError, LookupError, TypeError, RecursionError):
+            return {}
+        return flattened(value)
 
     @cached_property
     def quantities(self) -> list[Axis]:
@@ -175,9 +186,9 @@ def quantity_axis(name: str, title: str, unit: str, values: np.ndarray) -> Axis:
     return Axis(name, title, prefixed_unit, values * factor)
 
 
-def axes_of(key: str, cells: list[str]) -> list[Axis]:
-    """Makes the axes of a key from its cells."""
-    entries = [entries_of(cell) for cell in cells]
+def axes_of(key: str, cells: list[str], own: dict[str, float | str]) -> list[Axis]:
+    """Makes the axes of a key from its cells. `own`: entries that hold where a cell is empty."""
+    entries = [entries_of(cell) or own for cell in cells]
     forms = {tuple(one) for one in entries if one}
     if len(forms) != 1:  # numbers in some cases and vectors in others: no component is common to all
         entries, forms = [{"": cell} if cell else {} for cell in cells], {("",)}

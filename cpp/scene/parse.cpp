@@ -52,6 +52,7 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
     throw UserError(fmt::format("--set {}: the key {}; expected names with single dots between them",
                                 assignment,
                                 path.back() == '.' ? "ends in a dot" : "has an empty name before a dot"));
+  const std::string option = value.empty() ? "--unset " + path : "--set " + assignment;
   toml::table* table = &root;
   std::istringstream keys(path);
   std::string key, next;
@@ -61,23 +62,22 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
     if (!child)
       child = &table->insert(key, toml::table{}).first->second;
     if (toml::array* array = child->as_array(); array && !array->is_homogeneous<toml::table>())
-      throw UserError(
-          fmt::format("--set {}: \"{}\" of {} is a list of values; set the whole list, such as [1, 2]",
-                      assignment, key, file.string()));
+      throw UserError(fmt::format("{}: \"{}\" of {} is a list of values; set the whole list, such as [1, 2]",
+                                  option, key, file.string()));
     if (toml::array* array = child->as_array()) {
       std::size_t index = array->size();
       if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
           (index = std::stoul(next.substr(0, 6))) >= array->size() || !array->get(index)->is_table() ||
           !std::getline(keys, next, '.'))
-        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} table{}; name one by its number, "
+        throw UserError(fmt::format("{}: \"{}\" of {} is a list of {} table{}; name one by its number, "
                                     "and its key, such as {}.0.on=...",
-                                    assignment, key, file.string(), array->size(),
-                                    array->size() == 1 ? "" : "s", key));
+                                    option, key, file.string(), array->size(), array->size() == 1 ? "" : "s",
+                                    key));
       child = array->get(index);
     }
     table = child->as_table();
     if (!table)
-      throw UserError(fmt::format("--set {}: \"{}\" is not a table; name a key of a table", assignment, key));
+      throw UserError(fmt::format("{}: \"{}\" is not a table; name a key of a table", option, key));
     key = next;
   }
   if (!value.empty())

@@ -670,7 +670,7 @@ Keys<Measurement> keys_of(Of<Measurement>) {
       value("value", &Measurement::value, Number{above_zero}, "s or N",
             "measured value of a quantity that is compared, but not fitted", {.otherwise = "none"}),
       value("deviation", &Measurement::deviation, Number{above_zero}, "",
-            "standard deviation of each value, in the unit of the values",
+            "standard deviation of each value in SI units, whatever unit the file's column has",
             {.otherwise = "the file's column `deviation`"}),
       value("noise", &Measurement::noise, Number{above_zero}, "",
             "in place of `deviation` and of the file's column: standard deviation relative to the largest "

@@ -368,3 +368,16 @@ def test_no_comparison(linear: tuple[Path, np.ndarray, np.ndarray]) -> None:
 def test_folder_of_batches(linear: tuple[Path, np.ndarray, np.ndarray]) -> None:
     done = make(linear[0].parent)
     assert done.returncode == 2 and f"runs inside: {linear[0]}" in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_empty_cells_have_the_values_of_the_scene(tmp_path: Path) -> None:
+    """They count in ranges and sensitivities."""
+    a, b, _ = samples(12)
+    cases = [(f"case {i}", ["" if i < 4 else f"{a[i]:.17g}", "[0, 1]" if i == 5 else ""], [a[i] if i >= 4 else 7.0, b[i]]) for i in range(12)]
+    folder = write_batch(tmp_path / "batch", ["material.young", "initial.velocity"], cases)
+    (folder / "scene.toml").write_text('[material]\nyoung = 7.0\n[initial]\nvelocity = ["0", "-1"]\n')
+    batch = BatchFolder(folder)
+    (young,) = batch.keys["material.young"]
+    assert young.values[:4] == pytest.approx(7) and young.values[4:] == pytest.approx(a[4:])
+    (velocity,) = batch.keys["initial.velocity"]
+    assert velocity.name == "initial.velocity[1]" and sorted(set(velocity.values)) == [-1, 1]
