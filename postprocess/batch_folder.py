@@ -128,13 +128,21 @@ class BatchFolder:
         empty cell the scene's own value holds."""
         return {key: axes_of(key, [case.keys[i] for case in self.cases], self.own(key)) for i, key in enumerate(self.manifest["keys"])}
 
-    def own(self, key: str) -> dict[str, float | str]:
-        """Value of a key in the scene, as entries_of(), which holds where a cell is empty; empty if scene.toml has none."""
+    @cached_property
+    def scene(self) -> dict:
+        """Content of scene.toml; empty if there is none, or if it is damaged."""
         try:
-            value = tomllib.loads(whole_text(self.path / "scene.toml"))
+            return tomllib.loads(whole_text(self.path / "scene.toml"))
+        except (OSError, ValueError, RecursionError):
+            return {}
+
+    def own(self, key: str) -> dict[str, float | str]:
+        """Value of a key in the scene, as entries_of(), which holds where a cell is empty; empty if the scene has none."""
+        value = self.scene
+        try:
             for part in key.split("."):
                 value = value[int(part)] if isinstance(value, list) else value[part]
-        except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        except (LookupError, TypeError, ValueError):
             return {}
         return flattened(value)
 

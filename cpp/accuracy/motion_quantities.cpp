@@ -12,7 +12,7 @@ MotionQuantities::MotionQuantities(const problem::Problem& problem, const std::v
                                    const SamplePoints* samples)
     : problem_(problem), wanted_(wanted), warnings_(problem.stepper, problem.scene, problem.scene_loads()),
       contact_(problem.stepper) {
-  if (has(wanted, "energy_loss"))
+  if (has(wanted, "energy_loss") || has(wanted, of_restitution))
     weigh_.emplace(problem.stepper);
   if (has(wanted, of_restitution))
     restitution_.emplace(problem);
@@ -34,10 +34,10 @@ void MotionQuantities::operator()(const trajectory::Frame& frame) {
     const diagnostics::StepBalance balance = (*weigh_)(frame);
     energy_ = std::max(energy_, balance.energy());
     contact_loss_ -= balance.contact_work - balance.friction_work - balance.belt_work;
+    if (restitution_)
+      restitution_->observe(frame, balance, *weigh_);
   }
   contact_(frame);
-  if (restitution_)
-    restitution_->observe(frame);
   if (displacement_)
     displacement_->take_until(t, frame.last, [&](double at, Vec y) {
       // Within a step y is quadratic and v linear, except for the jump of a projected predictor.

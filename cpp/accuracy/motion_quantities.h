@@ -68,7 +68,7 @@ private:
 
   const problem::Problem& problem_;
   const std::vector<Quantity>& wanted_;
-  std::optional<diagnostics::Balance> weigh_; ///< for the loss of energy
+  std::optional<diagnostics::Balance> weigh_; ///< for the loss of energy and the restitution
   std::optional<Restitution> restitution_;
   diagnostics::StepWarnings warnings_;
   diagnostics::ContactFigures contact_;

@@ -3,19 +3,17 @@
 
 namespace signorini::accuracy {
 
-Restitution::Restitution(const problem::Problem& problem)
-    : balance_(problem.stepper, diagnostics::Balance::Wanted{false, false, problem.scene_loads()}),
-      forces_(problem.stepper) {
+Restitution::Restitution(const problem::Problem& problem) : forces_(problem.stepper) {
   if (problem.scene.several_bodies())
     bodies_.emplace(problem.stepper, problem.scene.contacts);
   summary_.emplace(problem.stepper, problem.scene, bodies_ ? &*bodies_ : nullptr);
 }
 
-void Restitution::observe(const trajectory::Frame& frame) {
-  const diagnostics::StepBalance balance = balance_(frame);
+void Restitution::observe(const trajectory::Frame& frame, const diagnostics::StepBalance& balance,
+                          const diagnostics::Balance& weigh) {
   forces_.observe(frame);
   if (bodies_)
-    bodies_->observe(frame, balance_);
+    bodies_->observe(frame, weigh);
   summary_->observe(frame, balance, forces_);
 }
 

@@ -17,7 +17,8 @@ public:
 
   /// Measures the times of the set-up and of one step of a rung.
   [[nodiscard]] CostModel::Timed time(const Rung& rung) const {
-    constexpr double part = 0.5, enough = 1, least = 2, most = 16; // of the shortest run; s; more steps
+    constexpr double part = 0.5, enough = 1; // of the shortest run; s
+    constexpr double least = 2, most = 16;   // factors of the number of steps from run to run
     // The first run in a program takes longer than the others.
     const auto [unknowns, first] = run(rung, 1);
     const double shortest = std::min(first, run(rung, 1).second);

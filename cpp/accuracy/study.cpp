@@ -151,10 +151,9 @@ public:
   void conclude(const std::filesystem::path& out) const {
     if (ran_ + kept_ == 0) {
       console_.line(
-          left_ ? fmt::format(
-                      "no rung has run: rung {} would take about {}, and --budget leaves less; nothing is "
-                      "written",
-                      *left_ + 1, duration(price_->seconds(results_[*left_].rung)))
+          left_ ? fmt::format("no rung has run: rung {} would take about {}, and --budget leaves less; "
+                              "nothing is written",
+                              *left_ + 1, duration(price_->seconds(results_[*left_].rung)))
                 : std::string("no rung has run: nothing is written"));
       return;
     }

@@ -46,18 +46,13 @@ namespace {
 class ModelWarnings {
 public:
   explicit ModelWarnings(const problem::Problem& problem)
-      : plausibility_(problem.stepper, problem.scene), resolution_(problem.stepper, problem.scene),
-        forces_(problem.stepper), end_(problem.stepper.end()) {}
+      : plausibility_(problem.stepper, problem.scene, parts), resolution_(problem.stepper, problem.scene),
+        forces_(problem.stepper) {}
 
   void observe(const trajectory::Frame& frame) {
     forces_.observe(frame);
     resolution_.observe(frame, forces_);
-    // Strains of every cell take as long as several steps of many motions together: six frames, not 17.
-    constexpr int parts = 4;
-    const int part = static_cast<int>(parts * frame.step.end / end_);
-    if (frame.step.k == 0 || frame.last || part > part_)
-      plausibility_.observe(frame, nullptr);
-    part_ = std::max(part_, part);
+    plausibility_.observe(frame, nullptr);
   }
 
   /// Adds the warnings to those of the steps, `found`, and returns the first message of each kind.
@@ -71,11 +66,12 @@ public:
   }
 
 private:
+  // Strains of every cell take as long as several steps of many motions together.
+  static constexpr int parts = 4;
+
   diagnostics::Plausibility plausibility_;
   diagnostics::ContactResolution resolution_;
   diagnostics::ObstacleForces forces_;
-  double end_;
-  int part_ = 0; ///< of the time, in which the last frame was
 };
 
 /// Folder with the results of a motion, and their writer.

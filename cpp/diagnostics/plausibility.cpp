@@ -52,8 +52,8 @@ Row largest(MPI_Comm comm, const Row& mine) {
 
 } // namespace
 
-Plausibility::Plausibility(const step::Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), scene_(scene), largest_energy_state_(stepper.space().vector()),
+Plausibility::Plausibility(const step::Stepper& stepper, const scene::Scene& scene, int parts)
+    : stepper_(stepper), scene_(scene), parts_(parts), largest_energy_state_(stepper.space().vector()),
       gaps_(stepper.rows()) {
   if (stepper.pairs()) {
     psi_ = stepper.pairs()->gaps();
@@ -68,7 +68,7 @@ void Plausibility::observe(const trajectory::Frame& frame, const StepBalance* ba
     largest_energy_time_ = frame.step.end;
   }
   constexpr double rounding = 1e-9;
-  const int part = static_cast<int>(checked_frames * frame.step.end / stepper_.end() + rounding) + 1;
+  const int part = static_cast<int>(parts_ * frame.step.end / stepper_.end() + rounding) + 1;
   if (part > checked_parts_ || frame.last) {
     checked_parts_ = part;
     check_displacement(frame.after.y(), frame.step.end);

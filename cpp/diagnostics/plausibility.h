@@ -12,15 +12,16 @@ namespace signorini::diagnostics {
 
 /// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
 /// undeformed body, one body. Outside of these the model still gives a result, and no solver detects the
-/// violation. Checks only a few frames: the first one in each of `checked_frames` equal parts of the time,
+/// violation. Checks only a few frames: the first one in each of `parts` equal parts of the time,
 /// the last one, and, if energies are given, the one with the largest elastic energy.
 class Plausibility {
 public:
-  /// Number of equal parts of the time, in each of which one frame is checked.
+  /// Usual number of equal parts of the time, in each of which one frame is checked.
   static constexpr int checked_frames = 16;
 
-  /// Prepares the checks of a motion. Collective. The references must outlive this object.
-  Plausibility(const step::Stepper& stepper, const scene::Scene& scene);
+  /// Prepares the checks of a motion. `parts`: number of equal parts of the time, in each of which one frame
+  /// is checked. Collective. The references must outlive this object.
+  Plausibility(const step::Stepper& stepper, const scene::Scene& scene, int parts = checked_frames);
 
   /// Observes the next frame; frames are passed in order, from frame 0 on. `balance`: null if energies are
   /// not computed. Collective.
@@ -52,6 +53,7 @@ private:
 
   const step::Stepper& stepper_;
   const scene::Scene& scene_;
+  int parts_;
   int checked_parts_ = 0;              ///< number of parts of the time in which a frame has been checked
   petsc::Vector largest_energy_state_; ///< y at the largest elastic energy so far
   double energy_ = 0;

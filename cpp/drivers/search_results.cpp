@@ -90,9 +90,8 @@ void show(const io::Kink& kink, const SearchSubject& subject, double first_norm,
       kink.gradients, kink.radius, kink.length, kink.length / first_norm);
   text +=
       kink.weak.empty()
-          ? std::string(
-                "At all these points the same candidates touch, but not nearer to the control: forces "
-                "chatter there")
+          ? std::string("At all these points the same candidates touch, but not nearer to the control: "
+                        "forces chatter there")
           : fmt::format("Between these points contact differs at {} candidates and steps, where it is weak:",
                         kink.weak.size());
   console.line(text);

@@ -42,9 +42,8 @@ std::string touch_line(const std::string& name, const diagnostics::Touch& touch,
   const std::array<double, 3>& J = touch.impulse;
   return fmt::format(
       "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two-step means {:.4g}{} {} at {:.6g} s{}\n"
-      "    1 to 99 % of the impulse within {:.4g} s, sustained peak of normal forces {:.4g} {} (largest mean "
-      "over "
-      "{:.3g} s)",
+      "    1 to 99 % of the impulse within {:.4g} s, sustained peak of normal forces {:.4g} {} "
+      "(largest mean over {:.3g} s)",
       name, touch.start, touch.end, closed, components(J, body.dim),
       by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), "N s" + body.per_depth, touch.peak,
       by_modulus(touch.peak, touch.normal_peak), "N" + body.per_depth, touch.peak_time,

@@ -65,8 +65,8 @@ struct GaussNewtonIterate {
   std::vector<double> x;
   LeastSquares at;
   double decrement = 0, damping = 0;
-  std::vector<double>
-      scales{}; ///< largest diagonal of JᵀJ so far, which the damping multiplies; set by the search
+  /// Largest diagonal of JᵀJ so far, which the damping multiplies; set by the search.
+  std::vector<double> scales{};
 };
 
 struct GaussNewtonResult {

@@ -331,8 +331,7 @@ private:
         "Active sets stay the same for relative changes of the control up to {:.1e}. The least force on a "
         "closed candidate is {:.1e} times the largest; the least gap of an open candidate is {:.1e} m.\nThe "
         "derivative along d is {:.6e}; over +- {} d, with {} changes of active sets on both sides, J has the "
-        "mean "
-        "slope {:.6e}.",
+        "mean slope {:.6e}.",
         radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
     if (off <= alike) {
       console_.line(radius > narrow
@@ -387,8 +386,7 @@ private:
     off.add(-1, h);
     double worst = controls_.norm(off) / size, admitted = limit(kept_size_);
     if (worst > admitted) {
-      // Unless J has a third derivative, as a power mean over scenarios: Richardson's extrapolation removes
-      // it.
+      // A power mean over scenarios has a third derivative, which Richardson's extrapolation removes.
       constexpr double small = 1e-3, weights = (4 * 2 + 1) / 3.0;
       const double epsilon = std::min(kept_size_, small);
       control::Control finer = difference(epsilon / 2);
