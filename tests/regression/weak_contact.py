@@ -56,15 +56,15 @@ def push(force: float) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("ranks", (1, 2))
-@pytest.mark.parametrize("overrides", ({}, {"mesh__degree": 2}, {"contact__friction": 0.3}, push(-50), push(1)),
+@pytest.mark.parametrize("overrides, least", (({}, 0.03), ({"mesh__degree": 2}, 0.03), ({"contact__friction": 0.3}, 0.03), (push(-50), 0.03), (push(1), 0.02)),
                          ids=("plain", "degree 2", "friction", "pressed", "lifted"))  # fmt: skip
-def test_slopes_where_a_side_arrives_at_the_end_of_a_step(overrides: dict[str, object], ranks: int) -> None:
+def test_slopes_where_a_side_arrives_at_the_end_of_a_step(overrides: dict[str, object], least: float, ranks: int) -> None:
     """Projection and step of contact-stabilized steps have their kink at the same control, and open together to one side of it. A force in
     this step that presses the side on the plane or lifts it leaves the kink of the projection, which shows as the block rebounds."""
     done = attempt("check", BLOCK, None, ranks, **(ARRIVING | overrides))
     assert done.returncode == 0, f"{done.stdout}{done.stderr}"
     slopes = [float(x) for x in re.findall(r"Slope of J along [+-]d: ([-+.e\d]+)\.$", done.stdout, re.MULTILINE)]
     assert "Verdict: J has a kink along d" in done.stdout and len(slopes) == 2
-    assert abs(slopes[0] + slopes[1]) > 0.02 * np.max(np.abs(slopes))
+    assert abs(slopes[0] + slopes[1]) > least * np.max(np.abs(slopes))
     orders = re.findall(r"^ok +Taylor order along ([+-])d", done.stdout, re.MULTILINE)
     assert orders == ["+", "-"]

@@ -4,11 +4,11 @@
 #include "base/log_slope.h"
 #include "diagnostics/warnings.h"
 #include "drivers/check/evaluation_point.h"
+#include "drivers/check/switches.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <iterator>
 #include <limits>
 
 namespace signorini::drivers {
@@ -16,41 +16,6 @@ using petsc::check;
 
 CheckRow below(const std::string& name, double value, double limit) {
   return {name, fmt::format("{:.2e}", value), fmt::format("<= {:.2g}", limit), value <= limit};
-}
-
-namespace {
-
-/// Number of candidates that are in exactly one of two ascending sets.
-int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
-  contact::ActiveSet difference;
-  std::ranges::set_symmetric_difference(a, b, std::back_inserter(difference));
-  return static_cast<int>(difference.size());
-}
-
-/// Number of candidates that are active in both of two states and stick in one and slip in the other, or
-/// touch in one alone.
-int otherwise_moving(const contact::ContactLinearisation& a, const contact::ContactLinearisation& b) {
-  int count = 0;
-  for (std::size_t i = 0; i < a.equations.size(); ++i) {
-    const auto found = std::ranges::lower_bound(b.active, a.active[i]);
-    const auto j = static_cast<std::size_t>(found - b.active.begin());
-    if (found != b.active.end() && *found == a.active[i])
-      count += a.motion(i) != b.motion(j) || a.closed(i) != b.closed(j);
-  }
-  return count;
-}
-
-} // namespace
-
-Switches switches(const ContactHistory& a, const ContactHistory& b) {
-  Switches sum;
-  for (std::size_t k = 1; k < std::min(a.size(), b.size()); ++k) {
-    const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor) +
-                     otherwise_moving(a[k], b[k]);
-    sum.steps += here > 0;
-    sum.candidates += here;
-  }
-  return sum;
 }
 
 namespace {
@@ -94,7 +59,7 @@ public:
 
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
-    if (const int weak = weak_candidates(); weak > 0) {
+    if (const int weak = kinks(problem_.trajectory().contact()); weak > 0) {
       console_.line(
           fmt::format("Contact is weak, closed without force or about to slip, {} times (candidates × "
                       "steps). J may have a kink here, with one-sided slopes only.",
@@ -262,14 +227,6 @@ private:
   /// Whether J is not a parabola while the active sets are unchanged, since slip in space changes direction.
   [[nodiscard]] bool curved() const {
     return problem_.stepper().frictional() && problem_.stepper().space().dim() == 3;
-  }
-
-  /// Number of weakly active candidates, summed over all steps.
-  [[nodiscard]] int weak_candidates() const {
-    int weak = 0;
-    for (const contact::ContactLinearisation& state : problem_.trajectory().contact())
-      weak += static_cast<int>(state.kinks());
-    return weak;
   }
 
   void kink(double plus, double minus) {

@@ -16,16 +16,6 @@ struct CheckRow {
 /// Makes a row that passes if `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
-using ContactHistory = control::ReducedProblem::ContactHistory;
-
-/// Differences between the active sets of two motions.
-struct Switches {
-  int steps = 0, candidates = 0; ///< steps with a difference; differing candidates, summed over the steps
-};
-/// Counts the differences between the active sets of two motions, including the active sets of projected
-/// predictors.
-Switches switches(const ContactHistory& a, const ContactHistory& b);
-
 /// Compares the derivatives of J at u with differences of J, prints the range in which the derivatives are
 /// valid, and adds rows to the table. `solver_tolerance`: relative error of the linear solves in a step.
 /// `found_by_search`: whether u is the control of an earlier search, near which slopes are small and contact

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/log_slope.h"
 #include "diagnostics/warnings.h"
+#include "drivers/check/switches.h"
 #include "drivers/fit_outcome.h"
 #include <algorithm>
 #include <cmath>
@@ -39,10 +40,7 @@ public:
     }
     measure_noise(linearised);
     rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
-    std::size_t weak = 0;
-    for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
-      weak += contact.kinks();
-    if (weak > 0)
+    if (const int weak = kinks(reduced_.trajectory().contact()); weak > 0)
       console_.line(
           fmt::format("Contact is weak, closed without force or about to slip, {} times (candidates × "
                       "steps). J may have a kink at the first guess.",
