@@ -4,6 +4,8 @@
 #include "base/error.h"
 #include "control/interpolation.h"
 #include "diagnostics/warnings.h"
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini::accuracy {
@@ -235,6 +237,20 @@ adjoint::ErrorParts estimate_error(const problem::Problem& problem,
     *by_cells = body->by_cells(by_nodes);
   parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;
+}
+
+EstimatedValue estimated_value(const control::ControlSpace& from, const control::Control& u,
+                               const problem::Problem& problem, problem::ControlProblem& there) {
+  const control::Interpolation interpolate(from, there.controls);
+  const double J = there.reduced.value(interpolate(u));
+  there.reduced.accept();
+  return {J, estimate_error(problem, there)};
+}
+
+double error_by_coarser_mesh(const EstimatedValue& fine, const EstimatedValue& coarse, double ratio) {
+  const double change = fine.J - coarse.J, estimated = fine.error.sum(),
+               unexplained = change + estimated - coarse.error.sum();
+  return std::min(std::abs(change) / (ratio - 1), std::abs(estimated) + std::abs(unexplained) / (ratio - 1));
 }
 
 Verified verify_with_half_steps(const problem::Problem& problem,

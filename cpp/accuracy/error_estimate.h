@@ -33,6 +33,25 @@ adjoint::ErrorParts estimate_error(const problem::Problem& problem,
                                    const problem::ControlProblem& control_problem,
                                    std::vector<double>* by_cells = nullptr);
 
+/// J at some control on one mesh, and its estimated error.
+struct EstimatedValue {
+  double J;
+  adjoint::ErrorParts error;
+};
+
+/// Evaluates J and its error on the mesh and steps of `there`, at a control of the space `from`, which may
+/// have another mesh and other steps. `there` keeps this control. Throws UserError, SolverFailure,
+/// Interrupted. Collective.
+EstimatedValue estimated_value(const control::ControlSpace& from, const control::Control& u,
+                               const problem::Problem& problem, problem::ControlProblem& there);
+
+/// Possible error of J on the mesh of `fine`, found by comparison with a mesh whose elements are `ratio` > 1
+/// times as wide. An estimate with frozen active sets misses what the mesh changes in them. If errors are at
+/// least of first order in the size, the error is at most the change of J divided by ratio − 1, and the part
+/// that the estimate η misses is at most the change of J + η divided by ratio − 1. Returns the smaller of the
+/// two bounds that follow, since estimates on coarse meshes can be far too large.
+double error_by_coarser_mesh(const EstimatedValue& fine, const EstimatedValue& coarse, double ratio);
+
 /// Result of verify_with_half_steps().
 struct Verified {
   double change = 0;             ///< modulus of the change of J

@@ -107,7 +107,8 @@ public:
           "--accuracy: J is 0 at the optimum, so relative errors are undefined; choose another objective");
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells_);
     trial.time = std::abs(error.time) / J;
-    trial.space = error.sum_of_moduli() / J - trial.time;
+    by_mesh_ = error_by_mesh(*level, error, rung);
+    trial.space = std::max(error.sum_of_moduli() / J - trial.time, trusted * by_mesh_.value_or(0));
     level_ = std::move(level);
     rung_ = rung;
     row_ = level_->record();
@@ -125,6 +126,8 @@ public:
     Measured measured;
     measured.warnings = found.warnings;
     trial.warning = measured.warning({"J", "J", ""});
+    if (!by_mesh_ && trial.warning.empty())
+      trial.warning = "no coarser mesh to compare J with";
   }
 
   void conclude(const TrialRun& trial, bool better) override {
@@ -183,6 +186,53 @@ private:
     return text;
   }
 
+  /// Possible relative error of J due to the mesh, at the control found by `level`, whose estimate is
+  /// `error`. The mesh that it is compared with has elements twice as large or, if a .msh is refined, is that
+  /// of the previous run. Absent if there is no such mesh.
+  std::optional<double> error_by_mesh(drivers::SearchLevel<Method>& level, const adjoint::ErrorParts& error,
+                                      const Rung& rung) {
+    const mesh::Mesh& mesh = level.problem().mesh;
+    const control::ControlSpace& controls = level.control_problem().controls;
+    const control::ReducedProblem& reduced = level.control_problem().reduced;
+    const auto compared = [&](const problem::Problem& problem,
+                              problem::ControlProblem& there) -> std::optional<double> {
+      constexpr double least = 1.25; // below that, the scatter of neighbouring meshes decides
+      const double more = static_cast<double>(mesh.cells()) / static_cast<double>(problem.mesh.cells()),
+                   ratio = std::pow(more, 1.0 / mesh.dim()), J = reduced.value().total();
+      if (ratio < least)
+        return std::nullopt;
+      const EstimatedValue coarse = estimated_value(controls, reduced.control(), problem, there);
+      return error_by_coarser_mesh({J, error}, coarse, ratio) / std::abs(J);
+    };
+    if (scene_.mesh.meshed())
+      return level_ ? compared(level_->problem(), level_->control_problem()) : std::nullopt;
+    constexpr double coarser_by = 2;
+    Rung coarser = rung;
+    coarser.size *= coarser_by;
+    scene::Scene scene = on_rung(scene_, coarser);
+    mesh::Meshing meshing;
+    std::optional<mesh::SizeField> sizes;
+    if (sizes_vary()) {
+      scene.mesh = scene_.mesh;
+      sizes = mesh::sizes_by(mesh, by_cells_, coarser_by * coarser_by, reach().finer);
+      meshing.sizes = &*sizes;
+    }
+    Timers timers;
+    const Console silent(false, false);
+    try {
+      problem::Problem problem(
+          std::make_shared<const problem::SpaceDiscretisation>(comm_, scene, timers, meshing), scene,
+          problem::search_needs(scene), timers);
+      if (!problem.grid.complete())
+        problem::choose_steps(problem, controls, reduced.control(), silent);
+      problem::ControlProblem there(problem, silent);
+      return compared(problem, there);
+    } catch (const UserError&) { // a mesh that coarse cannot be made
+    } catch (const SolverFailure&) {
+    }
+    return std::nullopt;
+  }
+
   /// Searches until the decrease of J over the last iterations, and the predicted decrease, are small
   /// compared with the requested error. Returns the larger of both, relative to J.
   double search(drivers::SearchLevel<Method>& level) {
@@ -230,6 +280,8 @@ private:
   Rung rung_;
   scene::Scene written_;
   std::unique_ptr<drivers::SearchLevel<Method>> level_;
+  std::optional<double>
+      by_mesh_; ///< possible relative error due to the mesh, by comparison with a coarser one
   std::vector<double> by_cells_; ///< error indicators of the cells on this rank
   std::optional<io::OutputFolder> folder_;
   std::optional<drivers::SearchLog> log_;

@@ -212,7 +212,8 @@ int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& t
   const auto conclude = [&](const std::string& end) {
     forget_deadline();
     if (refinement.best())
-      console.line(fmt::format("{}\nresults in {}", sentence(refinement, trials, asked, end), out.string()));
+      console.line(fmt::format("{}\nresults in {}, whose scene.toml has this mesh and these steps",
+                               sentence(refinement, trials, asked, end), out.string()));
   };
   bool interrupted = false;
   try {

@@ -177,6 +177,13 @@ std::string words_of_step(const Rung& rung, const scene::Scene& scene) {
                                   : fmt::format("step {:.3g}", scene.time.end / rung.steps);
 }
 
+std::string keys(const Rung& rung, const scene::Scene& scene) {
+  return fmt::format("mesh.{} = {:.4g}, mesh.degree = {}, time.{} = {:.10g}",
+                     scene.mesh.size ? "size" : "scale", rung.size, rung.degree,
+                     rung.has_varying_steps() ? "tolerance" : "step",
+                     rung.has_varying_steps() ? rung.tolerance : scene.time.end / rung.steps);
+}
+
 std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
   if (!scene.mesh.meshed())

@@ -75,5 +75,8 @@ double work(const Rung& rung, int dim);
 std::string words(const Rung& rung, const scene::Scene& scene);
 /// Describes the steps of a rung: "step 5e-05" or "tolerance 0.01".
 std::string words_of_step(const Rung& rung, const scene::Scene& scene);
+/// Keys that make a scene of the same scheme that of the rung, for a user to copy: "mesh.size = 0.5,
+/// mesh.degree = 1, time.step = 0.0001973684211". The step has so many digits that it divides time.end.
+std::string keys(const Rung& rung, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

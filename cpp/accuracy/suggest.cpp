@@ -15,12 +15,13 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   refinement.run(true);
   const TrialRun& found = *refinement.best();
   console.line(fmt::format("a relative error of {:g} in {} is {}: {}, {}, run time {:.2g} s; this suggestion "
-                           "took {:.2g} s",
+                           "took {:.2g} s\nin the scene: {}",
                            tolerance, trials->title(),
                            refinement.met()        ? "met by"
                            : found.warning.empty() ? "not met; the best run is"
                                                    : "not verified (" + found.warning + "); the best run is",
-                           trials->words(found.rung), found.grounds, found.seconds, elapsed.seconds()));
+                           trials->words(found.rung), found.grounds, found.seconds, elapsed.seconds(),
+                           keys(found.rung, scene)));
   return refinement.met() ? 0 : 1;
 }
 

@@ -106,20 +106,32 @@ public:
     const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
                                        parts.desired / J};
     const double error = cautious_bound(relative),
-                 time = std::abs(relative.time) / relative.sum_of_moduli() * error;
-    console_.line(fmt::format("{}: J {:.6e}, estimated relative error at most {:.2e} ({}), {} unknowns, "
-                              "{:.2g} s",
-                              words(rung), value, error, listed(relative), measured.unknowns,
-                              measured.seconds));
-    return {.rung = rung,
-            .space = error - time,
-            .time = time,
-            .seconds = measured.seconds,
-            .grounds = fmt::format("estimated relative error at most {:.2e}", error)};
+                 time = std::abs(relative.time) / relative.sum_of_moduli() * error,
+                 by_mesh = error_by_mesh(rung, {value, parts});
+    TrialRun trial{
+        .rung = rung, .space = std::max(error - time, by_mesh), .time = time, .seconds = measured.seconds};
+    trial.grounds = fmt::format("estimated relative error at most {:.2e}", trial.error());
+    console_.line(fmt::format(
+        "{}: J {:.6e}, {} ({}; {:.1e} by a mesh twice as coarse), {} unknowns, {:.2g} s", words(rung), value,
+        trial.grounds, listed(relative), by_mesh, measured.unknowns, measured.seconds));
+    return trial;
   }
 
 private:
-  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override { return {rung}; }
+  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override { return {coarser(rung), rung}; }
+
+  /// Possible relative error of J due to the mesh, by comparison with one twice as coarse.
+  double error_by_mesh(const Rung& rung, const EstimatedValue& fine) {
+    const Measured there = measure(comm_, on_rung(scene_, coarser(rung)), samples_, {}, true);
+    return error_by_coarser_mesh(fine, {there.numbers.at("J"), *there.estimate}, coarser_by) /
+           std::abs(fine.J);
+  }
+
+  static constexpr double coarser_by = 2;
+  static Rung coarser(Rung rung) {
+    rung.size *= coarser_by;
+    return rung;
+  }
 
   Measured known(const Rung& rung) override {
     return rung == ran_ ? last_ : measure(comm_, on_rung(scene_, rung), samples_, {}, false);

@@ -77,9 +77,10 @@ void add_study_options(CLI::App& app, Request& request) {
   app.add_flag("--dry-run", request.study.dry_run, "predict the time of each rung; run none");
   app.add_option("--suggest", request.suggest,
                  "in place of a study: suggest a size and a step for this relative error of --quantity or J, "
-                 "such as 1e-2")
+                 "such as 1e-2; stores nothing")
       ->check(CLI::Range(1e-12, 1.0))
-      ->excludes("--search-tolerances");
+      ->excludes("--search-tolerances")
+      ->excludes("--out");
 }
 
 void add_batch_options(CLI::App& app, Request& request) {

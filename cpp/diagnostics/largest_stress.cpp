@@ -6,13 +6,6 @@
 
 namespace signorini::diagnostics {
 
-namespace {
-
-/// Largest ratio of the largest stress to the recovered stress on a mesh that resolves it.
-constexpr double resolved = 1.3;
-
-} // namespace
-
 LargestStress::LargestStress(const fem::Space& space, std::vector<fem::Part> parts)
     : space_(space), parts_(std::move(parts)) {}
 

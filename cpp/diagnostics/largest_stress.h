@@ -11,6 +11,9 @@ namespace signorini::diagnostics {
 /// Name of the warning that the largest stress depends on the mesh.
 constexpr const char* stress_of_the_mesh = "stress of the mesh";
 
+/// Largest ratio of the largest stress or strain to that of the cells around it on a mesh that resolves it.
+constexpr double resolved = 1.3;
+
 /// Finds the largest von Mises stress of a motion, and checks whether the mesh resolves it. The mesh does not
 /// if the stresses of neighbouring cells are much smaller. An example is a sharp corner, where the stress
 /// grows without bound as the mesh is refined.

@@ -2,6 +2,7 @@
 #include "diagnostics/plausibility.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "diagnostics/largest_stress.h"
 #include "fem/coherence.h"
 #include "fem/deformation.h"
 #include "fem/surface.h"
@@ -84,6 +85,8 @@ void Plausibility::check_displacement(Vec y, double t) {
       worst = {value, t, at, worst.passed};
   };
   take(strain_, now.strain.value, now.strain.at, small_strain);
+  if (strain_.value > small_strain && strain_.time == t)
+    strain_around_ = fem::strain_around(stepper_.space(), y, strain_.at);
   take(rotation_, now.rotation.value, now.rotation.at, small_rotation);
   take(inverted_, static_cast<double>(now.inverted), {}, 0);
   if (stepper_.pairs())
@@ -262,12 +265,16 @@ std::vector<Warning> Plausibility::warnings() {
     check_displacement(largest_energy_state_, std::exchange(largest_energy_time_, -1));
   std::vector<Warning> found;
   add_of_mesh(found);
-  if (strain_.value > small_strain)
-    found.push_back(
-        {"large strain",
-         fmt::format("a principal strain is {} {}; the small-strain model is meant for strains below {} {}",
-                     above(strain_.value, small_strain), where(strain_), small_strain, since(strain_)),
-         strain_.value, small_strain});
+  if (strain_.value > small_strain) {
+    std::string text =
+        fmt::format("a principal strain is {} {}; the small-strain model is meant for strains below {} {}",
+                    above(strain_.value, small_strain), where(strain_), small_strain, since(strain_));
+    if (strain_.value > resolved * strain_around_)
+      text += fmt::format(". The mean over the cells around is {:.2g}. Single cells have large strains at "
+                          "facets of a coarse mesh, corners and point loads; try smaller elements there",
+                          strain_around_);
+    found.push_back({"large strain", text, strain_.value, small_strain});
+  }
   if (rotation_.value > small_rotation)
     found.push_back(
         {"large rotation",

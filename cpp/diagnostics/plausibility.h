@@ -60,6 +60,7 @@ private:
   double largest_energy_time_ = -1; ///< time of largest_energy_state_, s; negative if it need not be checked
   Worst obstacle_turn_;             ///< rotation of an obstacle with mass, rad
   Worst strain_, rotation_, inverted_, slip_, gap_;
+  double strain_around_ = 0; ///< mean over the cells around the largest strain, once that is above its limit
   Worst slide_;              ///< tangential jump of two parts in contact, in facets of the slave side
   Worst axis_;               ///< depth of a node on the axis without candidate inside an obstacle, m
   std::vector<double> gaps_; ///< gaps of the constraint rows, m

@@ -52,10 +52,17 @@ std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_
   return all;
 }
 
-/// Returns the mean curvature of the gap, 1/m, by a least-squares fit of a paraboloid of revolution (in the
-/// plane a parabola) with its lowest point anywhere. Returns nothing if there are too few candidates. `h`:
-/// spacing of the candidates, m.
-std::optional<double> curvature(const std::vector<Neighbour>& around, double h, std::size_t dim) {
+/// Paraboloid of revolution (in the plane a parabola) that fits the gap around a candidate.
+struct Paraboloid {
+  double bend;  ///< mean curvature, 1/m
+  double slope; ///< at the candidate
+  /// Distance of the lowest point, whose gap is the least, from the candidate, m.
+  [[nodiscard]] double lowest() const { return slope / bend; }
+};
+
+/// Fits the gap by least squares. Returns nothing if there are too few candidates. `h`: spacing of the
+/// candidates, m.
+std::optional<Paraboloid> paraboloid(const std::vector<Neighbour>& around, double h, std::size_t dim) {
   const std::size_t n = dim + 1;
   std::vector<double> normal(n * n), right(n);
   const auto add = [&](double xi, double eta, double rise) {
@@ -71,7 +78,23 @@ std::optional<double> curvature(const std::vector<Neighbour>& around, double h, 
     add(one.xi / h, one.eta / h, one.rise);
   if (!solve_dense(normal, right))
     return std::nullopt;
-  return right.back() / (h * h);
+  return Paraboloid{right.back() / (h * h),
+                    (dim == 2 ? std::abs(right[1]) : std::hypot(right[1], right[2])) / h};
+}
+
+/// Whether all neighbours are on one side of the candidate: it is at an end of the contact group.
+bool at_an_end(const std::vector<Neighbour>& around) {
+  constexpr double side =
+      0.95 * std::numbers::pi; // an angle without neighbours; less than straight for rounding
+  std::vector<double> angles;
+  for (const Neighbour& one : around)
+    angles.push_back(std::atan2(one.eta, one.xi));
+  std::ranges::sort(angles);
+  double widest =
+      angles.empty() ? 2 * std::numbers::pi : angles.front() + 2 * std::numbers::pi - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i)
+    widest = std::max(widest, angles[i] - angles[i - 1]);
+  return widest > side;
 }
 
 } // namespace
@@ -85,8 +108,9 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
   if (revolved && !on_axis) // a ring, whose contact is that of a cylinder as long as its circumference
     force /= 2 * std::numbers::pi * x;
   std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
-  if (plane && ring == 2 && around[0].xi * around[1].xi > 0) // the last node of a line
-    ring = 1;
+  const bool at_end = plane ? ring < 2 || around[0].xi * around[1].xi > 0 : at_an_end(around);
+  if (plane && at_end) // the last node of a line
+    ring = std::min<std::size_t>(ring, 1);
   if (ring == 0)
     return {pairs.diameter(), 0};
   CandidateSpacing spacing;
@@ -96,14 +120,19 @@ CandidateSpacing candidate_spacing(const contact::ContactPairs& pairs, int candi
   // refinement of a zone.
   const double share = static_cast<double>(most) / wanted,
                finer = spacing.found * (plane ? share : std::sqrt(share));
-  const std::optional<double> bend = curvature(around, spacing.found, static_cast<std::size_t>(pairs.dim()));
-  if (bend && *bend * spacing.found > 1) // the gap opens as fast as the nodes are apart
+  const std::optional<Paraboloid> fit =
+      paraboloid(around, spacing.found, static_cast<std::size_t>(pairs.dim()));
+  const double bend = fit ? fit->bend : 0;
+  if (bend * spacing.found > 1) // the gap opens as fast as the nodes are apart
+    return {spacing.found, 0};
+  const bool round = bend * spacing.found * spacing.found > pairs.gap_tolerance();
+  if (at_end && !(round && fit->lowest() < spacing.found)) // an edge or a corner is pressed on the obstacle
     return {spacing.found, 0};
   spacing.enough = finer;
-  if (bend && *bend > 0) {
+  if (bend > 0) {
     const double radius = plane && !on_axis
-                              ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
-                              : std::cbrt(3 * force / (4 * modulus * *bend));
+                              ? std::sqrt(4 * force / (std::numbers::pi * modulus * bend)) // Hertz
+                              : std::cbrt(3 * force / (4 * modulus * bend));
     // Puts the ring around a node in the middle, in the plane two nodes on either side of it, on the axis
     // four nodes beside it, within the zone; forces on coarse meshes are too large.
     constexpr double part = 0.7;
@@ -179,7 +208,8 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
     else if (!scene_.mesh.meshed())
       message += fmt::format(" (mesh.scale = {:.2g})", scene_.mesh.scale * ratio);
   } else {
-    message += ", at an edge or a corner of the body, where no finer mesh brings more nodes into contact";
+    message += ", at an edge, a corner or an end of the contact group. A finer mesh hardly brings more "
+               "nodes into contact there";
   }
   return {"few nodes in contact", message, spacing.found, spacing.enough};
 }

@@ -50,7 +50,8 @@ private:
 /// zone.
 struct CandidateSpacing {
   double found = 0, ///< mean distance to the nearest candidates of the same obstacle, m
-      enough = 0;   ///< spacing for five or more, m; 0 if no spacing suffices, as at an edge of the body
+      enough = 0;   ///< spacing for five or more, m; 0 if no spacing suffices, as at an edge of the body or
+                    ///< an end of the contact group that is no lowest point of a round face
 };
 
 /// Returns the present and the sufficient spacing for a contact zone of `most` candidates around `candidate`.

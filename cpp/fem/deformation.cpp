@@ -128,60 +128,130 @@ Gradient gradient(const Space& space, std::span<const std::int32_t> dofs, std::s
   return G;
 }
 
+/// ∇y in the cells that this rank owns.
+class CellGradients {
+public:
+  /// Collective.
+  CellGradients(const Space& space, Vec y)
+      : space_(space), geometry_(space.mesh().dolfinx()->geometry()), cells_(space.mesh().owned_cells()),
+        edges_(basix::cell::topology(space.dim() == 2 ? basix::cell::type::triangle
+                                                      : basix::cell::type::tetrahedron)[1]),
+        values_(space.dolfinx()->dofmap()->index_map, space.dim()) {
+    {
+      const petsc::ReadArray owned(y);
+      const std::span<const double> all = owned; // those of virtual nodes follow
+      std::ranges::copy(all.first(space.layout().mesh_dofs()), dolfinx_versions::entries(values_).begin());
+    }
+    values_.scatter_fwd();
+  }
+
+  [[nodiscard]] std::size_t cells() const { return cells_.size(); }
+  /// Number of points of each cell at which ∇y is taken: its vertices or, for degree 1, where ∇y is constant,
+  /// its midpoint.
+  [[nodiscard]] std::size_t samples() const {
+    return space_.degree() == 1 ? 1 : static_cast<std::size_t>(space_.dim()) + 1;
+  }
+  [[nodiscard]] auto vertices(std::size_t i) const {
+    return dolfinx_versions::vertices(geometry_, cells_[i]);
+  }
+  [[nodiscard]] Simplex simplex(std::size_t i) const { return {space_.dim(), vertices(i)}; }
+  [[nodiscard]] Simplex::Point midpoint(std::size_t i) const { return middle(space_.dim(), vertices(i)); }
+
+  /// Calls visit(v, ∇y) for the points v of cell i.
+  template <class Visit>
+  void each(std::size_t i, Visit&& visit) const {
+    const Simplex cell = simplex(i);
+    std::array<Simplex::Point, 4> slope{}; // gradients of the barycentric coordinates
+    for (int corner = 0; corner <= space_.dim(); ++corner)
+      slope[corner] = cell.gradient(corner);
+    const auto dofs = space_.dolfinx()->dofmap()->cell_dofs(cells_[i]);
+    const std::span<const double> at_dofs = values_.array();
+    for (std::size_t v = 0; v < samples(); ++v) {
+      Gradient G = gradient(space_, dofs, at_dofs, slope, edges_, v);
+      if (space_.mesh().axisymmetric())
+        G[2][2] = hoop_strain(space_, dofs, at_dofs, G, vertices(i), v);
+      visit(v, G);
+    }
+  }
+
+  /// Place of point v of cell i.
+  [[nodiscard]] Simplex::Point place(std::size_t i, std::size_t v) const {
+    if (space_.degree() == 1)
+      return midpoint(i);
+    const double* corner = vertices(i)(static_cast<int>(v));
+    return {corner[0], corner[1], corner[2]};
+  }
+
+private:
+  const Space& space_;
+  const dolfinx::mesh::Geometry<double>& geometry_;
+  std::vector<std::int32_t> cells_;
+  std::vector<std::vector<int>> edges_;
+  dolfinx::la::Vector<double> values_;
+};
+
+/// Longest edge of a cell, m.
+template <class Vertex>
+double diameter(int dim, Vertex&& vertex) {
+  double longest = 0;
+  for (int i = 0; i <= dim; ++i)
+    for (int j = 0; j < i; ++j)
+      longest = std::max(longest, std::hypot(vertex(i)[0] - vertex(j)[0], vertex(i)[1] - vertex(j)[1],
+                                             vertex(i)[2] - vertex(j)[2]));
+  return longest;
+}
+
 } // namespace
 
 Deformation deformation(const Space& space, Vec y) {
-  const auto& V = *space.dolfinx();
-  const auto dofmap = V.dofmap();
-  const int dim = space.dim();
-  const auto n = static_cast<std::size_t>(dim), vertices = n + 1;
-  dolfinx::la::Vector<double> values(dofmap->index_map, dim);
-  {
-    const petsc::ReadArray owned(y);
-    const std::span<const double> all = owned; // those of virtual nodes follow
-    std::ranges::copy(all.first(space.layout().mesh_dofs()), dolfinx_versions::entries(values).begin());
-  }
-  values.scatter_fwd();
-  const std::span<const double> at_dofs = values.array();
-
-  const auto cell_type = dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron;
-  const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
-  const auto& geometry = space.mesh().dolfinx()->geometry();
+  const CellGradients gradients(space, y);
+  const std::size_t samples = gradients.samples();
   Deformation found;
-  const std::size_t samples = space.degree() == 1 ? 1 : vertices; // per cell; ∇y is constant for degree 1
-  const std::vector<std::int32_t> cells = space.mesh().owned_cells();
   std::vector<double> strains, rotations;
   double most = 0;
-  for (const std::int32_t cell : cells) {
-    const Simplex simplex(dim, dolfinx_versions::vertices(geometry, cell));
-    std::array<Simplex::Point, 4> slope{}; // gradients of the barycentric coordinates
-    for (int i = 0; i <= dim; ++i)
-      slope[i] = simplex.gradient(i);
-    const auto dofs = dofmap->cell_dofs(cell);
+  for (std::size_t i = 0; i < gradients.cells(); ++i) {
     bool inverted = false;
-    for (std::size_t v = 0; v < samples; ++v) {
-      Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
-      if (space.mesh().axisymmetric())
-        G[2][2] = hoop_strain(space, dofs, at_dofs, G, dolfinx_versions::vertices(geometry, cell), v);
+    gradients.each(i, [&](std::size_t, const Gradient& G) {
       strains.push_back(principal_strain(G, (1 - tie) * most));
       most = std::max(most, strains.back());
       rotations.push_back(rotation(G));
       // Cells that pass through the axis change the sign of the volume twice.
       inverted = inverted || !(volume_ratio(G) > 0) || (space.mesh().axisymmetric() && !(1 + G[2][2] > 0));
-    }
+    });
     found.inverted += inverted;
   }
-  const auto at = [&](std::size_t i) {
-    const auto vertex = dolfinx_versions::vertices(geometry, cells[i / samples]);
-    if (space.degree() == 1)
-      return middle(dim, vertex);
-    const double* place = vertex(static_cast<int>(i % samples));
-    return Simplex::Point{place[0], place[1], place[2]};
-  };
+  const auto at = [&](std::size_t i) { return gradients.place(i / samples, i % samples); };
   found.strain = largest(space.comm(), strains, at);
   found.rotation = largest(space.comm(), rotations, at);
   MPI_Allreduce(MPI_IN_PLACE, &found.inverted, 1, MPI_INT64_T, MPI_SUM, space.comm());
   return found;
+}
+
+double strain_around(const Space& space, Vec y, const std::array<double, 3>& at) {
+  const CellGradients gradients(space, y);
+  double reach = 0;
+  for (std::size_t i = 0; i < gradients.cells(); ++i)
+    for (std::size_t v = 0; v < gradients.samples(); ++v)
+      if (gradients.place(i, v) == at)
+        reach = std::max(reach, diameter(space.dim(), gradients.vertices(i)));
+  MPI_Allreduce(MPI_IN_PLACE, &reach, 1, MPI_DOUBLE, MPI_MAX, space.comm());
+  std::array<double, 10> sums{}; // of the sizes, and of ∇y weighted with them
+  for (std::size_t i = 0; i < gradients.cells(); ++i) {
+    const Simplex::Point x = gradients.midpoint(i);
+    if (std::hypot(x[0] - at[0], x[1] - at[1], x[2] - at[2]) > reach)
+      continue;
+    const double size = gradients.simplex(i).abs_determinant();
+    sums[9] += size;
+    gradients.each(i, [&](std::size_t, const Gradient& G) {
+      for (std::size_t k = 0; k < 9; ++k)
+        sums[k] += size * G[k / 3][k % 3] / static_cast<double>(gradients.samples());
+    });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space.comm());
+  Gradient mean{};
+  for (std::size_t k = 0; k < 9 && sums[9] > 0; ++k)
+    mean[k / 3][k % 3] = sums[k] / sums[9];
+  return principal_strain(mean, 0);
 }
 
 double mean_diameter(const Space& space) {
@@ -190,13 +260,8 @@ double mean_diameter(const Space& space) {
   std::array<double, 2> sums{}; // of volumes times diameters, and of volumes
   for (std::int32_t cell : space.mesh().owned_cells()) {
     const auto vertex = dolfinx_versions::vertices(geometry, cell);
-    double diameter = 0;
-    for (int i = 0; i <= dim; ++i)
-      for (int j = 0; j < i; ++j)
-        diameter = std::max(diameter, std::hypot(vertex(i)[0] - vertex(j)[0], vertex(i)[1] - vertex(j)[1],
-                                                 vertex(i)[2] - vertex(j)[2]));
     const double volume = Simplex(dim, vertex).abs_determinant();
-    sums[0] += volume * diameter;
+    sums[0] += volume * diameter(dim, vertex);
     sums[1] += volume;
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_DOUBLE, MPI_SUM, space.comm());

@@ -31,6 +31,12 @@ struct Deformation {
 /// the middle of cells of degree 1. Collective.
 Deformation deformation(const Space& space, Vec y);
 
+/// Modulus of the largest principal strain of the mean of ∇y, weighted by size, over the cells whose midpoint
+/// is within a cell diameter of `at`, the place of Deformation::strain for the same y. It is much smaller
+/// than that strain where single cells have it: at facets of a coarse mesh, corners and point loads.
+/// Collective.
+double strain_around(const Space& space, Vec y, const std::array<double, 3>& at);
+
 /// Mean of the cells' longest edges, weighted by volume, m. Collective.
 double mean_diameter(const Space& space);
 

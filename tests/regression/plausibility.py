@@ -317,6 +317,23 @@ def test_above_in_print(tmp_path: Path) -> None:
     assert float(warnings(tmp_path)["large strain"]["message"].split()[4]) > 0.05
 
 
+def test_strain_of_facets(tmp_path: Path) -> None:
+    """Of a disc that falls: its facets, pressed flat, have a strain that the cells around them and finer meshes do not have."""
+    found = {}
+    for size in (4, 1):
+        signorini("simulate", SOURCE / "scenes" / "disc-drop.toml", tmp_path, mesh__size=size, time__end=12, material__young=2e4, output__fields=[])
+        found[size] = warnings(tmp_path).get("large strain")
+    assert found[1] is None and found[4]["value"] > 0.05
+    mean = float(re.search(r"The mean over the cells around is (\S+)\.", found[4]["message"])[1])
+    assert "facets of a coarse mesh" in found[4]["message"] and mean < 0.03
+
+
+def test_strain_of_all_cells(tmp_path: Path) -> None:
+    far = {"contact__obstacle": {"shape": "half-space", "point": [0, -9], "normal": [0, 1]}, "load__body": ["0", "0"], "time__end": 0.02}
+    signorini("simulate", BLOCK, tmp_path, **far, initial__velocity=["0", "0"], initial__displacement=["0", "0.06*y"])
+    assert "mean over the cells" not in warnings(tmp_path)["large strain"]["message"]
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_scene(name: str, tmp_path: Path) -> None:
     signorini("simulate", SOURCE / "scenes" / f"{name}.toml", tmp_path, output__fields=[], **SHIPPED[name])

@@ -237,6 +237,7 @@ def test_few_nodes_of_a_tilted_face(tmp_path: Path) -> None:
     signorini("simulate", tmp_path / "tilted.toml", tmp_path / "out", output__fields=[])
     (warning,) = few_nodes(tmp_path / "out")
     near(warning["value"], 0.25, abs=1e-6)
+    assert warning["limit"] == 0 and "an end of the contact group" in warning["message"]
 
 
 def test_two_nodes_of_a_flat_face_are_all(tmp_path: Path) -> None:

@@ -64,7 +64,8 @@ def command_of(case: Case) -> list[str]:
     """The command line of a case."""
     words = case.command
     if words is None:
-        words = (case.verb, "scene.toml", "--out", case.out, *case.options)
+        folder = () if "--suggest" in case.options else ("--out", case.out)
+        words = (case.verb, "scene.toml", *folder, *case.options)
     launcher = ["mpirun", "-n", str(case.ranks)] if case.ranks > 1 else []
     return [*launcher, str(SIGNORINI), *words]
 

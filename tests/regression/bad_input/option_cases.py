@@ -135,6 +135,7 @@ def method_cases() -> list[Case]:
              verb="study", options=("--search-tolerances", "1e-3,0")),
         Case("study of one tolerance twice", ("--search-tolerances: found 0.001 twice; give each tolerance once",), verb="study",
              options=("--search-tolerances", "1e-3,1e-2,1e-3")),
+        typed("folder of a suggestion, which stores nothing", "study scene.toml --suggest 1e-2 --out results", "--out excludes --suggest"),
         Case("study of searches beside a suggestion", ("--search-tolerances excludes --suggest",), verb="study",
              options=("--search-tolerances", "1e-3", "--suggest", "1e-2")),
         Case("resume of a verb without checkpoints", ("--resume: simulate writes no checkpoints", "optimize"), options=("--resume",),
