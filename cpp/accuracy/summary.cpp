@@ -278,9 +278,10 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<RungR
       continue;
     }
     const double reach = *errors.envelope[*nearest] + bar;
+    const std::string two = percent(reach), least = two == percent(target) ? percent(reach, 4) : two;
     texts.push_back(fmt::format(
         "an error of {} % in {} is not reached by any rung of this study; the smallest is {}{}", 100 * target,
-        title, percent(reach), errors.bar ? fmt::format(" (finest rung: {})", words(*errors.bar)) : ""));
+        title, least, errors.bar ? fmt::format(" (finest rung: {})", words(*errors.bar)) : ""));
     break;
   }
   return texts;

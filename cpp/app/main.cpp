@@ -121,7 +121,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
              for (const std::string& key : keys) // before --set, whose values are not empty
                request.overrides.insert(request.overrides.begin(), key + "=");
            },
-           "key.path, removes a key or table of the scene before --set; may be repeated")
+           "key.path, removes a key, a table or one of a list (output.probe.2) before --set; may be repeated")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

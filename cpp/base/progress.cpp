@@ -24,9 +24,9 @@ void Console::line(const std::string& text) const {
     print_text(stdout, text + "\n");
 }
 
-Progress::Progress(const Console& console, std::string label, std::size_t total, std::size_t from)
+Progress::Progress(const Console& console, std::string label, std::size_t total, std::size_t from, Total kind)
     : console_(console), label_(std::move(label)), total_(total), from_(from),
-      tenth_(total > 0 ? 10 * from / total : 0) {}
+      tenth_(total > 0 ? 10 * from / total : 0), at_most_(kind == Total::limit ? "at most " : "") {}
 
 Progress::~Progress() {
   if (drawn_)
@@ -47,14 +47,16 @@ void Progress::update(std::size_t done, const std::string& note) {
     last_ = now;
     constexpr std::size_t width = 28;
     const std::size_t filled = width * done / total_;
-    print_text(stderr, fmt::format("\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
-                                   std::string(width - filled, '.'), done, total_, duration(left), note));
+    print_text(stderr,
+               fmt::format("\r\033[K{} [{}{}] {}/{}  {}{} left  {}", label_, std::string(filled, '#'),
+                           std::string(width - filled, '.'), done, total_, at_most_, duration(left), note));
     drawn_ = true;
   } else if (const std::size_t tenth = 10 * done / total_; tenth > tenth_) {
     tenth_ = tenth;
     // Loops of a few seconds need no progress lines.
     if (seconds > 3 || left > 3)
-      console_.line(fmt::format("{} {}/{}  {} left  {}", label_, done, total_, duration(left), note));
+      console_.line(
+          fmt::format("{} {}/{}  {}{} left  {}", label_, done, total_, at_most_, duration(left), note));
   }
 }
 

@@ -31,9 +31,13 @@ private:
 /// otherwise as one line per tenth of the loop.
 class Progress {
 public:
+  /// What `total` is: the number of iterations, or a limit before which the loop may end.
+  enum class Total { exact, limit };
+
   /// `total`: number of iterations; `from`: iterations that an earlier run has done, which do not enter the
   /// time estimate. `console` must outlive this object.
-  Progress(const Console& console, std::string label, std::size_t total, std::size_t from = 0);
+  Progress(const Console& console, std::string label, std::size_t total, std::size_t from = 0,
+           Total kind = Total::exact);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -46,6 +50,7 @@ private:
   const Console& console_;
   std::string label_;
   std::size_t total_, from_, tenth_;
+  const char* at_most_; ///< before the time left
   bool drawn_ = false;
   Clock::time_point start_ = Clock::now(), last_{};
 };

@@ -96,7 +96,8 @@ SearchLog::SearchLog(const SearchSubject& subject, const io::OutputFolder& folde
       resumes_(resume && resume::found(folder, console)) {
   if (subject.parameters)
     return;
-  progress_.emplace(console, "iterations", static_cast<std::size_t>(subject.scene.optimizer.max_iterations));
+  progress_.emplace(console, "iterations", static_cast<std::size_t>(subject.scene.optimizer.max_iterations),
+                    0, Progress::Total::limit);
   if (const auto& reference = subject.control->reference)
     reference_norm_ = subject.control->controls.norm(*reference);
 }
@@ -236,7 +237,7 @@ void SearchLog::restored(double stored, double found) {
   if (progress_)
     progress_.emplace(console_, "iterations",
                       static_cast<std::size_t>(subject_.scene.optimizer.max_iterations),
-                      static_cast<std::size_t>(stored_at_));
+                      static_cast<std::size_t>(stored_at_), Progress::Total::limit);
   console_.line(fmt::format("resumed after iteration {}", stored_at_));
   show_row();
 }

@@ -65,14 +65,20 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
       throw UserError(fmt::format("{}: \"{}\" of {} is a list of values; set the whole list, such as [1, 2]",
                                   option, key, file.string()));
     if (toml::array* array = child->as_array()) {
-      std::size_t index = array->size();
-      if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
-          (index = std::stoul(next.substr(0, 6))) >= array->size() || !array->get(index)->is_table() ||
-          !std::getline(keys, next, '.'))
-        throw UserError(fmt::format("{}: \"{}\" of {} is a list of {} table{}; name one by its number, "
-                                    "and its key, such as {}.0.on=...",
+      const bool number = !next.empty() && next.find_first_not_of("0123456789") == std::string::npos;
+      const std::size_t index = number ? std::stoul(next.substr(0, 6)) : array->size();
+      const bool there = index < array->size() && array->get(index)->is_table(), removes = value.empty();
+      if (there && removes && keys.eof()) {
+        array->erase(array->cbegin() + static_cast<std::ptrdiff_t>(index));
+        if (array->empty())
+          table->erase(key);
+        return;
+      }
+      if (!there || !std::getline(keys, next, '.'))
+        throw UserError(fmt::format("{}: \"{}\" of {} is a list of {} table{}; name one by its number{}",
                                     option, key, file.string(), array->size(), array->size() == 1 ? "" : "s",
-                                    key));
+                                    removes ? fmt::format(", such as {}.0", key)
+                                            : fmt::format(", and its key, such as {}.0.on=...", key)));
       child = array->get(index);
     }
     table = child->as_table();

@@ -89,6 +89,10 @@ TEST_CASE("an override without a value, as --unset gives it, removes a key or a 
   CHECK(echo({"check.control=[\"0\", \"1\"]", "check="}) == echo({}));
   CHECK(echo({"contact.friction=0.3", "contact.friction="}) == echo({}));
   CHECK(echo({"contact.friction=0.3"}) != echo({}));
+  const std::string two = R"(output.probe=[{point=[0,-15], name="a"}, {point=[0,0], name="b"}])",
+                    second = R"(output.probe=[{point=[0,0], name="b"}])";
+  CHECK(echo({two, "output.probe.0="}) == echo({second}));
+  CHECK(echo({two, "output.probe.1=", "output.probe.0="}) == echo({}));
 }
 
 TEST_CASE("the table of keys says what poses the problem", "[scene]") {

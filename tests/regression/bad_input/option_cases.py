@@ -28,6 +28,7 @@ def option_cases() -> list[Case]:
                    never=("tables", "body.0.on")),
         overridden("set below a value", "material.young.x=1", "--set material.young.x=1", '"young" is not a table'),
         overridden("set of the wrong type", "material.young=soft", "--set material.young: found", "soft", "a number"),
+        typed("removal beyond the list", "check scene.toml --unset clamp.1", "--unset clamp.1: ", "list of 1 table", "such as clamp.0"),
         overridden("set to nothing", "material.young=", 'found no value in "material.young="', "--unset"),
         overridden("set out of range", "material.poisson=0.7", "material.poisson: found 0.7", "less than 0.5"),
         overridden("set out of range, two ranks", "material.poisson=0.7", "--set material.poisson: found 0.7", ranks=2),
