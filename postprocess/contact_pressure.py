@@ -31,6 +31,9 @@ def draw(run: RunFolder) -> list[Path]:
 
     figure, axes = style.graph()
     edges = style.time_axis(axes, times)
+    if not run.stores_every_step:  # each value next to the step that has it
+        edges = np.concatenate([(edges[1:] + edges[:-1]) / 2, edges[-1:]])
+        style.single_steps(axes, times)
     shown = rows_of(place, pressure, "pressure") * factor
     colours = axes.pcolormesh(edges, place.edges, np.ma.masked_invalid(shown), cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
     axes.set_ylim(*touched(contact, place))

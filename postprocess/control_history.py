@@ -28,7 +28,12 @@ def draw(run: RunFolder) -> list[Path]:
     times = style.time_axis(axes, starts)
     for (axis, name), (colour, dash) in zip(components(run).items(), LOOKS):
         values = force[:, axis] * factor
-        axes.step(times, np.append(values[0], values), where="pre", color=colour, linestyle=dash, label=f"${name}$")
+        if run.stores_every_step:
+            axes.step(times, np.append(values[0], values), where="pre", color=colour, linestyle=dash, label=f"${name}$")
+        else:
+            axes.plot(times[1:], values, color=colour, linestyle="none", marker="o", markersize=4, label=f"${name}$")
+    if not run.stores_every_step:
+        style.single_steps(axes, starts)
     axes.set_ylabel(f"resultant of the control ({unit})")
     style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "control_history.png")]

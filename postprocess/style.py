@@ -113,6 +113,13 @@ def show_time(axes: Axes, time: float) -> None:
     axes.set_title(f"$t$ = {time * factor:.4g} {unit}", loc="left")
 
 
+def single_steps(axes: Axes, times: np.ndarray) -> None:
+    """Writes above the axes that values are those of the steps that end at the times (s), between which nothing is known."""
+    factor, unit = prefixed(times, "s")
+    apart = float(np.median(np.diff(times))) * factor
+    axes.set_title(f"single steps, stored every {apart:.3g} {unit}", loc="left", fontsize="small")
+
+
 def colour_bar(colours: ScalarMappable, axes: Axes, label: str) -> None:
     """Adds a colour bar to the right of the axes, as high as they are."""
     axes.figure.colorbar(colours, cax=axes.inset_axes([1.03, 0, 0.035, 1]), label=label)

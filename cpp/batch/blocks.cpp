@@ -69,6 +69,7 @@ std::vector<Outcome> BlockRunner::run(const Block& block) {
     try {
       const scene::Scene& scene = *cases_[block[i]].scene;
       discretise(scene);
+      scene::require_dimension(scene, discretisation_->mesh.dim());
       follow(operators_of(scene));
       auto made = std::make_unique<CaseMotion>(discretisation_, scene, quantities_, leader_.get());
       std::unique_ptr<CaseMotion>& place = leader_ ? own.emplace_back() : leader_;

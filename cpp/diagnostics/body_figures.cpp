@@ -6,9 +6,11 @@
 #include "step/functionals.h"
 #include "trajectory/approach.h"
 #include <algorithm>
+#include <array>
 #include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 
 namespace signorini::diagnostics {
 
@@ -102,6 +104,27 @@ void warn_of_normals(const step::Stepper& stepper, const scene::Scene& scene,
   }
 }
 
+/// Whether clamps hold the body sideways along most of its longest side, so that it cannot bend. Collective.
+bool held_along(const step::Stepper& stepper, std::span<const double> extent) {
+  constexpr int pieces = 10, most = 8;
+  const fem::Space& space = stepper.space();
+  const auto along = static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
+  const std::vector<double>& x = space.points();
+  double start = std::numeric_limits<double>::infinity();
+  for (std::size_t i = along; i < x.size(); i += 3)
+    start = std::min(start, x[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &start, 1, MPI_DOUBLE, MPI_MIN, space.comm());
+  std::array<int, pieces> held{};
+  for (std::size_t node = 0; 3 * node < x.size(); ++node)
+    for (std::size_t c = 0; c < extent.size(); ++c)
+      if (c != along && stepper.clamped().contains(static_cast<int>(node), static_cast<int>(c)))
+        held[std::min<std::size_t>(
+            pieces - 1, static_cast<std::size_t>(pieces * (x[3 * node + along] - start) / extent[along]))] =
+            1;
+  MPI_Allreduce(MPI_IN_PLACE, held.data(), pieces, MPI_INT, MPI_MAX, space.comm());
+  return std::ranges::count(held, 1) >= most;
+}
+
 /// Adds a warning if a slender clamped body has few elements of degree 1 across: with four elements it is ten
 /// per cent too stiff in bending, with fewer by a factor that depends on their shapes.
 void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
@@ -110,6 +133,8 @@ void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, co
   const std::span extent(figures.extent.data(), static_cast<std::size_t>(figures.dim));
   const auto [least, greatest] = std::ranges::minmax(extent);
   if (stepper.space().degree() > 1 || scene.clamps.empty() || !stepper.pairs() || greatest < slender * least)
+    return;
+  if (held_along(stepper, extent))
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)

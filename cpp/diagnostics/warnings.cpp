@@ -254,11 +254,14 @@ std::vector<Warning> contact_loss(const step::Stepper& stepper, const scene::Sce
   const auto moves = [](const scene::Contact& one) { return scene::moves(one); };
   if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
+  const bool viscous = std::ranges::any_of(scene.materials, &scene::Material::viscous);
   const std::string massless =
       scene.rigid() || stepper.predictor() ? "" : "; with contact.mass = \"massless\" shorter steps do too";
   const bool short_already = !scene.time.automatic() && scene.time.step <= stepper.wave_time();
   const std::string remedy =
-      short_already
+      viscous ? "Shorter steps and smaller elements reduce this error; study --quantity energy_loss shows "
+                "which helps more"
+      : short_already
           ? "Steps are shorter than the time in which a wave crosses an element in contact: smaller elements "
             "reduce this error most" +
                 massless

@@ -174,8 +174,10 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
                                        iterations, sweeps.forward, sweeps.adjoint, history.last("seconds"));
   if (subject.parameters)
     return fmt::format("J {:.6e} ({}, misfit {:.3e}): {}", J, parts, value.misfit, cost);
-  return fmt::format("J {:.6e} -> {:.6e} ({}), |g| {:.2e} -> {:.2e} (tolerance {:.2e})\n{}",
-                     history.at(0, "objective"), J, parts, end.first_norm, history.last("gradient_norm"),
+  return fmt::format("J {:.6e} -> {:.6e}{} ({}), |g| {:.2e} -> {:.2e} (tolerance {:.2e})\n{}",
+                     history.at(0, "objective"), J,
+                     end.levels.empty() ? "" : " on this mesh, from the optimum of a coarser one", parts,
+                     history.at(0, "gradient_norm"), history.last("gradient_norm"),
                      *subject.scene.optimizer.tolerance * end.first_norm, cost);
 }
 

@@ -264,6 +264,16 @@ def test_wrong_tables(text: str | None, options: list[str], words: str, tmp_path
     assert not (tmp_path / "out").exists()
 
 
+def test_components_beyond_the_dimension(tmp_path: Path) -> None:
+    """They are refused in each case, also in one that shares the mesh of a case before."""
+    cases = write(tmp_path / "cases.csv", ["initial.velocity"], [["[0, -1]"], ["[0, -1, 5]"], ["[0, -2]"]])
+    done = attempt(DISC, cases, tmp_path / "out", "--set", "time.end=1")
+    assert done.returncode == 0, done.stderr  # as long as one case ends
+    states = [row["outcome"] for row in csv.DictReader((tmp_path / "out" / "cases.csv").open())]
+    assert states[0] == states[2] != states[1]
+    assert "found 3 components" in (tmp_path / "out" / "cases.csv").read_text() + done.stdout + done.stderr
+
+
 def test_folders(tmp_path: Path) -> None:
     """Each case has the results of a single run: fields to rounding, the same files and laws."""
     scene = SOURCE / "tests" / "data" / "block.toml"

@@ -70,8 +70,10 @@ void invariants(const problem::Problem& problem, const step::ForceAtStep& load, 
     throw Interrupted();
   const double tolerance = problem.scene.run.tolerance, energy = watch.largest_energy();
   rows.push_back({"the body moved (largest energy)", fmt::format("{:.2e}", energy), "> 0", energy > 0});
-  if (!(energy > 0))
+  if (!(energy > 0)) {
+    rows.back().measured += problem.scene.objective ? ": give check.control another value" : "";
     return;
+  }
   for (const diagnostics::Invariants::Defect& defect : watch.defects())
     rows.push_back(below(defect.name, defect.worst, tolerance));
   if (!contact)
@@ -125,8 +127,8 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     std::string where;
     const control::Control u = evaluation_point(problem, control_problem, where);
     console.line(fmt::format("Derivatives are checked at {}.", where));
-    advice = check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(),
-                               scene.control->stored.has_value(), console, rows);
+    advice =
+        check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
     invariants(problem, control_problem.reduced.load(), rows);
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");

@@ -18,11 +18,9 @@ CheckRow below(const std::string& name, double value, double limit);
 
 /// Compares the derivatives of J at u with differences of J, prints the range in which the derivatives are
 /// valid, and adds rows to the table. `solver_tolerance`: relative error of the linear solves in a step.
-/// `found_by_search`: whether u is the control of an earlier search, near which slopes are small and contact
-/// changes. Returns advice if the derivatives are exact but useless, since J has other slopes over larger
+/// Returns advice if the derivatives are exact but useless, since J has other slopes over larger
 /// changes of the control; else an empty text. Throws SolverFailure, Interrupted. Collective.
 std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
-                              double solver_tolerance, bool found_by_search, const Console& console,
-                              std::vector<CheckRow>& rows);
+                              double solver_tolerance, const Console& console, std::vector<CheckRow>& rows);
 
 } // namespace signorini::drivers
