@@ -9,7 +9,7 @@ from .files import NotInRun
 from .mesh import Series
 from .report_contact import MOST_COLUMNS, Place, along, heatmap
 from .report_fields import area, nodal, support_of
-from .report_parts import Chart, figure, line, time_axis
+from .report_parts import Chart, dots, figure, line, time_axis
 from .run_folder import RunFolder
 
 LOOKS = [(style.BLUE, "solid"), (style.VERMILION, "dash"), (style.GREEN, "dashdot")]
@@ -21,9 +21,13 @@ def resultant(run: RunFolder) -> Chart:
     force = resultant_of(run, control)
     factor, unit = style.prefixed(force, style.per_depth("N", run.whole))
     times, title = time_axis(control.times)
-    curves = [line(name, times, force[:, axis] * factor, *look) for (axis, name), look in zip(components(run).items(), LOOKS)]
-    for curve in curves:
-        curve["line"]["shape"] = "vh"  # a control is constant in the step that ends there
+    shown = [(name, times, force[:, axis] * factor, *look) for (axis, name), look in zip(components(run).items(), LOOKS)]
+    if run.stores_every_step:
+        curves = [line(*one) for one in shown]
+        for curve in curves:
+            curve["line"]["shape"] = "vh"  # a control is constant in the step that ends there
+    else:  # of the steps between nothing is known
+        curves = [dots(name, at, values, colour) for name, at, values, colour, _ in shown]
     return Chart.single("control-resultant", "Resultant of the control over time", figure(curves, title, f"force ({unit})"))
 
 

@@ -127,7 +127,7 @@ public:
     measured.warnings = found.warnings;
     trial.warning = measured.warning({"J", "J", ""});
     if (!by_mesh_ && trial.warning.empty())
-      trial.warning = "no coarser mesh to compare J with";
+      trial.warning = no_coarser_mesh;
   }
 
   void conclude(const TrialRun& trial, bool better) override {

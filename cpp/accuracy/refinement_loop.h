@@ -29,6 +29,9 @@ double observed_order(double coarse, double fine, double factor, double otherwis
 SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders, double target, int dim,
                              double least, double most);
 
+/// Warning of a run whose J cannot be compared with that of a coarser mesh.
+inline constexpr const char* no_coarser_mesh = "no coarser mesh to compare J with";
+
 /// A run on one rung, and the estimated parts of its relative error.
 struct TrialRun {
   Rung rung;

@@ -106,25 +106,40 @@ public:
     const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
                                        parts.desired / J};
     const double error = cautious_bound(relative),
-                 time = std::abs(relative.time) / relative.sum_of_moduli() * error,
-                 by_mesh = error_by_mesh(rung, {value, parts});
-    TrialRun trial{
-        .rung = rung, .space = std::max(error - time, by_mesh), .time = time, .seconds = measured.seconds};
+                 time = std::abs(relative.time) / relative.sum_of_moduli() * error;
+    by_mesh_ = error_by_mesh(rung, {value, parts});
+    TrialRun trial{.rung = rung,
+                   .space = std::max(error - time, by_mesh_.value_or(0)),
+                   .time = time,
+                   .seconds = measured.seconds};
     trial.grounds = fmt::format("estimated relative error at most {:.2e}", trial.error());
-    console_.line(fmt::format(
-        "{}: J {:.6e}, {} ({}; {:.1e} by a mesh twice as coarse), {} unknowns, {:.2g} s", words(rung), value,
-        trial.grounds, listed(relative), by_mesh, measured.unknowns, measured.seconds));
+    console_.line(fmt::format("{}: J {:.6e}, {} ({}{}), {} unknowns, {:.2g} s", words(rung), value,
+                              trial.grounds, listed(relative),
+                              by_mesh_ ? fmt::format("; {:.1e} by a mesh twice as coarse", *by_mesh_) : "",
+                              measured.unknowns, measured.seconds));
     return trial;
+  }
+
+  void verify(TrialRun& trial) override {
+    MeasuredTrials::verify(trial);
+    if (!by_mesh_ && trial.warning.empty())
+      trial.warning = no_coarser_mesh;
   }
 
 private:
   [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override { return {coarser(rung), rung}; }
 
-  /// Possible relative error of J due to the mesh, by comparison with one twice as coarse.
-  double error_by_mesh(const Rung& rung, const EstimatedValue& fine) {
-    const Measured there = measure(comm_, on_rung(scene_, coarser(rung)), samples_, {}, true);
-    return error_by_coarser_mesh(fine, {there.numbers.at("J"), *there.estimate}, coarser_by) /
-           std::abs(fine.J);
+  /// Possible relative error of J due to the mesh, by comparison with one twice as coarse; absent if there is
+  /// no such mesh.
+  std::optional<double> error_by_mesh(const Rung& rung, const EstimatedValue& fine) {
+    try {
+      const Measured there = measure(comm_, on_rung(scene_, coarser(rung)), samples_, {}, true);
+      return error_by_coarser_mesh(fine, {there.numbers.at("J"), *there.estimate}, coarser_by) /
+             std::abs(fine.J);
+    } catch (const UserError&) { // a mesh that coarse cannot be made
+    } catch (const SolverFailure&) {
+    }
+    return std::nullopt;
   }
 
   static constexpr double coarser_by = 2;
@@ -137,7 +152,8 @@ private:
     return rung == ran_ ? last_ : measure(comm_, on_rung(scene_, rung), samples_, {}, false);
   }
 
-  Rung ran_; ///< the rung that ran last
+  std::optional<double> by_mesh_; ///< of the rung that ran last
+  Rung ran_;                      ///< this rung
   Measured last_;
 };
 
