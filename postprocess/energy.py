@@ -41,6 +41,7 @@ def draw(run: RunFolder) -> list[Path]:
         axes.plot(times, energy * factor, color=color, linestyle=linestyle, label=name)
     if potential is not None:
         axes.plot(times, potential * factor, color=style.GREEN, linestyle=":", label="potential")
+        axes.set_title("potential: falls by the work of the loads, least value 0", loc="left", fontsize="small")
     axes.plot(times, total * factor, color="black", label="kinetic + elastic" if potential is None and not further else "sum of these")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILION, linestyle="-.", label="dissipated so far")

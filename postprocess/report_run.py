@@ -166,7 +166,7 @@ def energies(run: RunFolder) -> Chart:
     curves += [line(name, times, energy * factor, *looks[name]) for name, energy in further.items()]
     if potential is not None:
         curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
-        note = "The potential of the loads falls by the work of the loads; its least value is set to 0."
+        note = "The potential of the loads falls by the work of the loads; its least value is set to 0. Of loads that change in time it is no stored energy."
     parts = " + ".join(["kinetic", "elastic", *further, *["potential"] * (potential is not None)])
     curves.append(line(parts, times, whole_energy * factor, "black"))
     other = work_of_others(run)

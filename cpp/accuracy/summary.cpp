@@ -211,13 +211,13 @@ struct Best {
 };
 
 /// Whether a run costs less than another one: by its time if the times differ by more than the noise of
-/// start-up and machine, else by unknowns times steps.
-bool cheaper(const Measured& one, const Measured& other) {
-  constexpr double noise = 0.2, start_up = 0.2; // relative; s
+/// start-up and machine, else by unknowns times steps. Absent if they cost the same.
+std::optional<bool> cheaper(const Measured& one, const Measured& other) {
+  constexpr double noise = 0.2, start_up = 0.5; // relative; s
   if (std::abs(one.seconds - other.seconds) > noise * std::max(one.seconds, other.seconds) + start_up)
     return one.seconds < other.seconds;
   const auto work = [](const Measured& run) { return static_cast<double>(run.unknowns) * run.steps; };
-  return work(one) < work(other);
+  return work(one) == work(other) ? std::nullopt : std::optional(work(one) < work(other));
 }
 
 Best best(const Errors& errors, const std::vector<RungResult>& results, double tolerance) {
@@ -232,7 +232,8 @@ Best best(const Errors& errors, const std::vector<RungResult>& results, double t
       continue;
     const bool warned = !results[i].measured->warning(errors.quantity).empty();
     std::optional<std::size_t>& cheapest = warned ? found.warned : found.cheapest;
-    if (!cheapest || cheaper(*results[i].measured, *results[*cheapest].measured))
+    if (!cheapest || cheaper(*results[i].measured, *results[*cheapest].measured)
+                         .value_or(*envelope < *errors.envelope[*cheapest])) // such as another scheme
       cheapest = i;
   }
   return found;

@@ -2,6 +2,7 @@
 #include "diagnostics/body_figures.h"
 #include "fem/coherence.h"
 #include "fem/deformation.h"
+#include "fem/sampler.h"
 #include "fem/wave_time.h"
 #include "step/functionals.h"
 #include "trajectory/approach.h"
@@ -104,6 +105,30 @@ void warn_of_normals(const step::Stepper& stepper, const scene::Scene& scene,
   }
 }
 
+/// Adds a note for each probe whose point is outside of the mesh by more than a tenth of an element, which is
+/// more than elements along a curved surface leave out. Collective.
+void note_outside(const step::Stepper& stepper, const scene::Scene& scene, std::vector<std::string>& notes) {
+  std::vector<double> points;
+  std::vector<std::string> names;
+  for (const scene::Probe& probe : scene.output.probes)
+    if (probe.point) {
+      names.push_back(probe.name);
+      points.insert(points.end(), probe.point->begin(), probe.point->end());
+      points.resize(3 * names.size());
+    }
+  if (names.empty())
+    return;
+  constexpr double part = 0.1;
+  const double most = part * fem::mean_diameter(stepper.space());
+  const fem::Sampler sampler(stepper.space(), points);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (const double distance = sampler.distances()[i]; distance > most)
+      notes.push_back(
+          fmt::format("the probe \"{}\" is {:.3g} m outside of the body: its values are those of the "
+                      "nearest element, continued",
+                      names[i], distance));
+}
+
 /// Whether clamps hold the body sideways along most of its longest side, so that it cannot bend. Collective.
 bool held_along(const step::Stepper& stepper, std::span<const double> extent) {
   constexpr int pieces = 10, most = 8;
@@ -167,6 +192,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
                                           surfaces->slave_side() == scene::ContactSide::on
                                               ? scene.contacts[static_cast<std::size_t>(i)].on
                                               : *scene.contacts[static_cast<std::size_t>(i)].against));
+  note_outside(stepper, scene, figures.notes);
   figures.mass = step::mean(stepper.space(), stepper.operators().M, 0).measure;
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {

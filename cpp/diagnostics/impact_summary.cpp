@@ -8,7 +8,8 @@
 namespace signorini::diagnostics {
 namespace {
 
-constexpr int least_open = 2; // steps; single ones without contact occur in rest
+constexpr double early = 0.25; ///< part of a contact in which it begins
+constexpr int least_open = 2;  // steps; single ones without contact occur in rest
 
 std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   for (double& component : x)
@@ -230,8 +231,11 @@ std::optional<Impact> ImpactSummary::impact() const {
   for (std::size_t i = 0; i < impact.obstacles.size(); ++i)
     sum_up(records_[i], impact.obstacles[i]);
   sum_up(records_.back(), impact.all);
-  // In the first half of a contact: of two bodies the longer one may be crossed after the end.
-  const auto late = [](const Touch& touch) { return 2 * touch.peak_time > touch.start + touch.end; };
+  // A front's peak is early in a contact. Of a large body, or of the larger of two, waves return only after a
+  // smooth pulse has had its peak in the middle.
+  const auto late = [](const Touch& touch) {
+    return touch.peak_time - touch.start > early * (touch.end - touch.start);
+  };
   if (touches_.size() == 1)
     for (Touch* touch : {&impact.all, impact.obstacles.size() == 1 ? &impact.obstacles.front() : nullptr})
       if (touch && late(*touch))
@@ -263,8 +267,9 @@ bool ImpactSummary::bounced() const {
 }
 
 bool Impact::begins(double t, double crossing) const {
-  return std::ranges::any_of(bounces,
-                             [&](const Rebound& one) { return one.start <= t && t <= one.start + crossing; });
+  return std::ranges::any_of(bounces, [&](const Rebound& one) {
+    return one.start <= t && t <= one.start + std::min(crossing, early * (one.end - one.start));
+  });
 }
 
 std::vector<Rebound> ImpactSummary::bounces() const {

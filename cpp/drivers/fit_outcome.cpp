@@ -49,14 +49,25 @@ void take_deviations(const problem::ParameterProblem& problem, const optimize::G
   }
 }
 
-/// Adds sentences about unknowns on logarithmic scales that are poorly identified.
+/// Adds sentences about unknowns that are poorly identified.
 void add_poorly_identified(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                            const optimize::Identified& known, io::Fit& fit) {
   for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
     const scene::Unknown& unknown = problem.scene.unknowns[j];
     const double deviation = known.deviations[j];
-    if (!unknown.logarithmic() || !std::isfinite(deviation))
+    if (!std::isfinite(deviation))
       continue;
+    if (!unknown.logarithmic()) {
+      constexpr double far = 10;
+      const io::FittedUnknown& found = fit.unknowns[j];
+      const double size = std::max(std::abs(found.value), std::abs(unknown.start));
+      if (size > 0 && found.deviation > far * size)
+        fit.unidentified.push_back(fmt::format(
+            "{} is poorly identified: its standard deviation is {:.3g} times the larger of its value "
+            "and its first guess. Unless it is about 0, the data do not determine it.",
+            unknown.name, found.deviation / size));
+      continue;
+    }
     if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
       fit.unidentified.push_back(
           fmt::format("{} fell to the lower end of its logarithmic scale, {:.2g} times its first guess: the "

@@ -91,7 +91,8 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
       fields.push_back({scene::name(field), values});
   // The number of steps may not be known yet: then the disk must have room for this many.
   constexpr int usual_steps = 1000;
-  const int steps = problem_.grid.complete() ? problem_.steps() : usual_steps,
+  const bool known = problem_.grid.complete() && !problem_.scene.time.until_bounce;
+  const int steps = known ? problem_.steps() : usual_steps,
             stored = output.every > 0 ? (steps - 1) / output.every : scene::Output::most_frames;
   const auto times =
       static_cast<std::size_t>(stored + 3); // with the first, the last and that of the largest force

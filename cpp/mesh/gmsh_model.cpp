@@ -240,6 +240,37 @@ bool is_to_be_meshed(const scene::Mesh& mesh) {
   return !discrete;
 }
 
+/// Number of elements on the curves of gmsh's current model.
+std::size_t elements_on_curves() {
+  std::vector<int> types;
+  std::vector<std::vector<Tag>> elements, nodes;
+  gmsh::model::mesh::getElements(types, elements, nodes, 1);
+  std::size_t count = 0;
+  for (const std::vector<Tag>& block : elements)
+    count += block.size();
+  return count;
+}
+
+/// Returns notes on a size of the scene that changes no curve of the current mesh, which is lost: the curves
+/// are divided again, with a quarter of the size.
+std::vector<std::string> notes_on_size(const scene::Mesh& mesh) {
+  if (mesh.format() != scene::MeshFormat::script || mesh.automatic() || (!mesh.size && mesh.scale == 1))
+    return {};
+  constexpr double finer = 4;
+  const std::size_t before = elements_on_curves();
+  gmsh::model::mesh::clear();
+  if (mesh.size)
+    set_size(std::min(*mesh.size / mesh.metres(), std::ranges::max(sides_of_model())) / finer);
+  else
+    gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale / finer);
+  gmsh::model::mesh::generate(1);
+  if (before == 0 || elements_on_curves() != before)
+    return {};
+  return {fmt::format("mesh.{} has no effect on {}: the file sets its own mesh density, for example by "
+                      "Transfinite curves",
+                      mesh.size ? "size" : "scale", mesh.file.filename().string())};
+}
+
 } // namespace
 
 RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing,
@@ -264,6 +295,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing,
   };
   const Session session;
   std::vector<std::string> notes;
+  bool meshed_here = false;
   try {
     const bool groups_per_cell = msh && msh->version() < 3;
     if (groups_per_cell) // read by groups: entities may be anything, such as all of them 1
@@ -286,7 +318,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing,
       }
       gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
       notes = ask_for_straight_simplices();
-      if (is_to_be_meshed(mesh)) {
+      meshed_here = is_to_be_meshed(mesh);
+      if (meshed_here) {
         if (mesh.format() == scene::MeshFormat::shape)
           group_shapes();
         gmsh::model::mesh::generate(gmsh::model::getDimension());
@@ -304,6 +337,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing,
       gmsh::option::setNumber("Mesh.SaveAll", 1); // elements in no group too
       gmsh::write(meshing.keep.string());
     }
+    if (meshed_here && !meshing.sizes)
+      std::ranges::move(notes_on_size(mesh), std::back_inserter(raw.notes));
     return raw;
   } catch (const UserError&) {
     throw;

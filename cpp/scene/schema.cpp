@@ -777,7 +777,8 @@ Keys<Probe> keys_of(Of<Probe>) {
             {.otherwise = "`\"probe 1\"`, `\"probe 2\"` … by position in the scene"}),
       value("point", &Probe::point, Numbers{}, "m",
             "point of the undeformed body where displacement and velocity are recorded; each probe is a "
-            "table `[[output.probe]]`"),
+            "table `[[output.probe]]`. Outside, up to a hundredth of the body's diameter, the values of the "
+            "nearest element are continued"),
       value("on", &Probe::on, Text{}, "",
             "in place of `point`: group of the body or of the boundary whose mean displacement and "
             "velocity are recorded. On a boundary, the reaction of clamped nodes is recorded too"),
@@ -797,9 +798,12 @@ Keys<Output> keys_of(Of<Output>) {
       value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
             "number of steps between stored fields and rows of `contact.csv`; the last step and the step of "
             "the largest contact force are always stored. Other tables have a row for each step",
-            {.otherwise = fmt::format("the least of 1, 2, 5, 10, … that stores at most {0} steps; with "
-                                      "`time.step = \"auto\"` the first step after each {0}th of `time.end`",
-                                      Output::most_frames)},
+            {.otherwise =
+                 fmt::format("the least of 1, 2, 5, 10, … that stores at most {0} steps. With "
+                             "`time.step = \"auto\"` the first step after each {0}th of `time.end`. With "
+                             "`time.end = \"auto\"` an eighth of the time in which a wave crosses the "
+                             "body, doubled after each {0} stored times",
+                             Output::most_frames)},
             [](const Output& output) { return output.every > 0; }),
       value("fields", &Output::fields, Set<StoredField>{}, "",
             "fields to store, if the verb computes them; `\"strain\"`, `\"stress\"`, `\"von_mises\"`, "

@@ -158,3 +158,49 @@ def test_table_of_a_load_in_other_units(measured: Path, verb: str) -> None:
     assert text in captured(command).stdout
     if verb == "simulate":
         assert text in json.loads((measured / "out" / "run.json").read_text())["warnings"][0]["message"]
+
+
+SLIDING = """[mesh]
+file = "block.geo"
+size = 0.2
+[time]
+end = 0.5
+step = 1e-3
+scheme = "contact-stabilized"
+[material]
+density = 1000.0
+young = 1e7
+poisson = 0.3
+viscosity = { bulk = 2e5, shear = 1e5 }
+[contact]
+on = "bottom"
+friction = 0.25
+obstacle = { name = "incline", shape = "half-space", point = [0, 0], normal = [0, 1] }
+[load]
+gravity = [3.355218, -9.218385]
+[initial]
+static = true
+velocity = ["0.4", "0"]
+[[unknown]]
+of = "initial.velocity"
+component = "x"
+name = "speed"
+start = 1.0
+[[measurement]]
+of = "displacement"
+component = "y"
+point = [0.5, 1]
+file = "rest.csv"
+noise = 0.02
+"""
+
+
+def test_unknown_that_hardly_matters(tmp_path: Path) -> None:
+    """The height of a block that slides down tells its speed by rounding only: the number that the search ends with is none of the block's."""
+    file = tmp_path / "rest.toml"
+    file.write_text(SLIDING.replace("block.geo", str(SOURCE / "meshes" / "block.geo")))
+    run("simulate", file, "--measure", "--seed", "1")
+    said = run("optimize", file)
+    found = re.search(r"^speed +(\S+) +(\S+) ", said, re.MULTILINE)
+    assert float(found[2]) > 1e3, "the speed is found: the case says nothing"
+    assert re.search(r"^(The data do not determine speed\.|speed is poorly identified: its standard deviation is .* its first guess\.)", said, re.MULTILINE), said

@@ -43,6 +43,24 @@ TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
   CHECK_THAT(parts.line(), ContainsSubstring("8.61 to 8.96 m/s"));
 }
 
+TEST_CASE("notes tell of sizes without effect and of points outside", "[mesh]") {
+  for (const char* size : {"mesh.scale=0.5", "mesh.size=0.01"}) {
+    const auto notes = figures("scenes/two-bars.toml", {size}).notes;
+    REQUIRE(notes.size() == 1);
+    CHECK_THAT(notes.front(), ContainsSubstring("has no effect on two-bars.geo"));
+  }
+  CHECK(figures("scenes/two-bars.toml").notes.empty());
+  for (const char* size : {"mesh.size=0.1", "mesh.size=4"}) // elements as long as the sides, too
+    CHECK(figures("tests/data/block.toml", {size}).notes.empty());
+  const auto outside = [](const char* point) {
+    return figures("tests/data/block.toml", {"mesh.size=0.05", point}).notes;
+  };
+  CHECK(outside("output.probe=[{point=[1, 0.5]}]").empty());
+  REQUIRE(outside("output.probe=[{point=[1.01, 0.5]}]").size() == 1);
+  CHECK_THAT(outside("output.probe=[{point=[1.01, 0.5]}]").front(),
+             ContainsSubstring("0.01 m outside of the body"));
+}
+
 TEST_CASE("a mesh in another unit is brought to metres", "[mesh]") {
   for (const auto& [unit, length] :
        {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}}) {
