@@ -194,11 +194,14 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const CandidateSpacing spacing = candidate_spacing(pairs, zone.candidate, zone.most, zone.force, modulus);
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
-  std::string message =
-      fmt::format("the mesh is too coarse at {} m, t = {:.6g} s. At most {} touch{} \"{}\" at once, so that "
-                  "force and motion depend on single nodes. Nodes there are {:.3g} m apart",
-                  point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
-                  zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
+  std::string message = fmt::format(
+      "{} at {} m, t = {:.6g} s. At most {} touch{} \"{}\" at once, so that force and motion depend "
+      "on single nodes. Nodes there are {:.3g} m apart",
+      spacing.enough > 0 ? "the mesh is too coarse"
+                         : "an edge, a corner or an end of the contact "
+                           "group is in contact",
+      point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
+      zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;
     message +=
@@ -208,8 +211,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
     else if (!scene_.mesh.meshed())
       message += fmt::format(" (mesh.scale = {:.2g})", scene_.mesh.scale * ratio);
   } else {
-    message += ", at an edge, a corner or an end of the contact group. A finer mesh hardly brings more "
-               "nodes into contact there";
+    message += "; a finer mesh hardly brings more of them into contact";
   }
   return {"few nodes in contact", message, spacing.found, spacing.enough};
 }
