@@ -263,7 +263,11 @@ std::vector<std::string> notes_on_size(const scene::Mesh& mesh) {
     set_size(std::min(*mesh.size / mesh.metres(), std::ranges::max(sides_of_model())) / finer);
   else
     gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale / finer);
-  gmsh::model::mesh::generate(1);
+  try {
+    gmsh::model::mesh::generate(1);
+  } catch (const std::exception&) { // of a size that nobody asked for
+    return {};
+  }
   if (before == 0 || elements_on_curves() != before)
     return {};
   return {fmt::format("mesh.{} has no effect on {}: the file sets its own mesh density, for example by "
