@@ -26,8 +26,8 @@ struct Touch {
   double peak = 0;                          ///< largest modulus of the resultant
   double normal_peak = 0;                   ///< largest sum of the moduli of the nodal forces
   double peak_time = 0;                     ///< time of normal_peak, between its two steps, s
-  /// Whether contact began at most a wave's crossing time before the peak, and a single contact has not
-  /// passed its half; the peak then depends mostly on time step and element size.
+  /// Whether contact began at most a wave's crossing time before the peak, which in a single contact is in
+  /// the first quarter; the peak may then be a wave front's, which depends on time step and element size.
   bool peak_at_onset = false;
   double largest_step = 0;     ///< largest sum of the nodal forces' moduli in a single step
   double impulse_duration = 0; ///< time in which normal_impulse grows from 1 to 99 % of its total, s

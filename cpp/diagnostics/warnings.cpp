@@ -198,8 +198,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
       "{} at {} m, t = {:.6g} s. At most {} touch{} \"{}\" at once, so that force and motion depend "
       "on single nodes. Nodes there are {:.3g} m apart",
       spacing.enough > 0 ? "the mesh is too coarse"
-                         : "an edge, a corner or an end of the contact "
-                           "group is in contact",
+                         : "an edge, a corner or an end of the contact group is in contact",
       point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
       zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
   if (spacing.enough > 0) {

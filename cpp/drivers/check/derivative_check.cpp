@@ -303,9 +303,8 @@ private:
     }
     advice_ = diagnostics::calmer_contact(problem_.stepper());
     console_.line(fmt::format("Verdict: the derivative is exact, but only for relative changes of the "
-                              "control below {:.1e}: {}. Larger "
-                              "changes of the control give a mean slope that differs by {:.0f} % of the "
-                              "largest slope among them; {}.",
+                              "control below {:.1e}: {}. Larger changes of the control give a mean slope "
+                              "that differs by {:.0f} % of the largest slope among them; {}.",
                               radius,
                               radius > narrow ? "beyond that limit contact changes" : "the contact chatters",
                               100 * off, advice_));
